@@ -1,0 +1,93 @@
+#pragma once
+/// The one interface that both descriptions of infill, SPH and DEM, implement. Rigs and contact see infill only
+/// through it and cannot tell which one they have: that is what makes the comparison fair.
+///
+/// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k positions
+/// stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k, kicks to
+/// t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/hdf5_file.h"
+#include "core/vector.h"
+
+namespace tuft {
+
+/// Structure-of-arrays view of the particles. All spans have one size. Index i is the same particle for the
+/// whole run, in every view and across checkpoints. Valid until the next call that is not const.
+struct ParticleView {
+  std::span<const double> x, y, z;     ///< position, m
+  std::span<const double> vx, vy, vz;  ///< velocity, m/s
+  std::span<const double> wx, wy, wz;  ///< spin, rad/s; empty where particles have none (SPH)
+  std::span<const double> radius;      ///< contact radius, m
+  std::span<const double> mass;        ///< kg
+  std::span<const Index> layer;        ///< index into Scene::turf.layers
+  /// Index into Scene::materials of what touches others (a grain of a mixture layer is sand or SBR; an SPH
+  /// particle is its layer's material).
+  std::span<const Index> material;
+
+  [[nodiscard]] std::size_t size() const { return x.size(); }
+  [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }
+  [[nodiscard]] Vec3 spin(std::size_t i) const { return wx.empty() ? Vec3(0, 0, 0) : Vec3(wx[i], wy[i], wz[i]); }
+};
+
+/// What contact gives each particle over one window. The infill spreads it evenly over its substeps.
+struct ContactImpulses {
+  Vec3Array linear;   ///< N s
+  Vec3Array angular;  ///< N m s about the particle's centre; ignored where particles have no spin
+};
+
+/// Energies of the infill, J, all as of one moment: the last force evaluation, with the kinetic energy centred
+/// there (mean of the values half a step before and after). Stored terms are current values, the others have
+/// been summed up since the start of the run.
+struct InfillEnergy {
+  double kinetic = 0;           ///< translation and spin
+  double stored = 0;            ///< elastic energy between or in particles; for SPH the whole stress work
+  double dissipated = 0;        ///< friction, plasticity where told apart, viscosity inside the infill
+  double gravity_potential = 0; ///< relative to z = 0
+  double damping = 0;           ///< taken out by set_damping
+  double contact_work = 0;      ///< work the contact impulses did on the infill (sum of J . centred velocity)
+};
+
+/// What one window did, measured on the receiving side.
+struct AdvanceReport {
+  Vec3 impulse_received{0, 0, 0};  ///< N s, sum of contact impulses as really applied
+  Vec3 impulse_scale{0, 0, 0};     ///< N s, sum of their absolute values by component
+  int substeps = 0;
+};
+
+class Infill {
+ public:
+  Infill() = default;
+  Infill(const Infill&) = delete;
+  Infill& operator=(const Infill&) = delete;
+  virtual ~Infill() = default;
+
+  [[nodiscard]] virtual std::string_view approach() const = 0;  ///< "sph" or "dem"
+  [[nodiscard]] virtual ParticleView particles() const = 0;
+  /// Largest stable step of the infill's own forces at the present state, s, before any safety factor.
+  [[nodiscard]] virtual double stable_step() const = 0;
+  /// One coupling window, in `substeps` equal steps of window/substeps.
+  /// Throws RunError naming particle, time and field when a value is not finite, or the host is gone.
+  virtual AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) = 0;
+  /// Mass-proportional damping a = -rate v for settling, 1/s; 0 switches it off.
+  virtual void set_damping(double rate) = 0;
+  [[nodiscard]] virtual InfillEnergy energy() const = 0;
+  /// Particle steps so far (particles times substeps).
+  [[nodiscard]] virtual std::uint64_t particle_steps() const = 0;
+
+  /// State for a bitwise continuation. `load` expects an object built from the same scene.
+  virtual void save(h5::Group& group) = 0;
+  virtual void load(const h5::Group& group) = 0;
+  /// Scalar fields for frames, one value a particle, SI: e.g. "pressure" (Pa), "density" (kg/m^3).
+  struct Field {
+    std::string name, unit;
+    std::vector<double> values;
+  };
+  [[nodiscard]] virtual std::vector<Field> fields() const = 0;
+};
+
+}  // namespace tuft

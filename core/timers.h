@@ -1,0 +1,40 @@
+#pragma once
+/// Wall time by phase. A phase is an enum value, so that a measurement is two clock reads and an addition.
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <string_view>
+
+namespace tuft {
+
+enum class Phase { setup, packing, search, contact, carpet, infill, exchange, waiting, rig, ledger, record, checkpoint, count };
+
+inline constexpr std::array<std::string_view, static_cast<std::size_t>(Phase::count)> phase_names{
+    "setup", "packing", "search", "contact", "carpet", "infill", "exchange", "waiting", "rig", "ledger", "record", "checkpoint"};
+
+class PhaseTimers {
+ public:
+  void add(Phase phase, double seconds) { seconds_[static_cast<std::size_t>(phase)] += seconds; }
+  [[nodiscard]] double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
+
+ private:
+  std::array<double, static_cast<std::size_t>(Phase::count)> seconds_{};
+};
+
+/// Adds the time of its life to a phase.
+class ScopedPhase {
+ public:
+  ScopedPhase(PhaseTimers& timers, Phase phase) : timers_(timers), phase_(phase) {}
+  ~ScopedPhase() {
+    timers_.add(phase_, std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+  }
+  ScopedPhase(const ScopedPhase&) = delete;
+  ScopedPhase& operator=(const ScopedPhase&) = delete;
+
+ private:
+  PhaseTimers& timers_;
+  Phase phase_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace tuft

@@ -1,0 +1,100 @@
+#pragma once
+/// The carpet: fibres and backing as 4-node shells, explicit central differences.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/hdf5_file.h"
+#include "core/scene.h"
+#include "core/vector.h"
+
+namespace tuft::fe {
+
+/// Shell mesh. Quads index nodes, counter-clockwise seen from the side of the shell normal.
+struct ShellMesh {
+  Vec3Array nodes;                            ///< m
+  std::vector<std::array<Index, 4>> quads;
+  std::vector<double> thickness;              ///< m, per quad
+  std::vector<Index> material;                ///< per quad, index into the materials given with the mesh
+  /// Per quad: contact surface it belongs to. 0 is the backing, 1..n the strands. A particle touches each
+  /// surface at its nearest point only.
+  std::vector<Index> surface;
+  std::vector<std::uint8_t> clamped;          ///< per node: all six degrees of freedom fixed
+  Index surface_count = 0;
+
+  static constexpr Index backing_surface = 0;
+};
+
+/// Generates the carpet of a patch centred on the origin, backing mid-surface at z = backing thickness / 2 (its
+/// lower face on the tray's floor z = 0), strands rising in +z. Strands share their two root nodes with the
+/// backing. The backing's edge nodes are clamped. The same seed gives the same mesh.
+/// `with_fibres` false: the backing alone. Material 0 is the backing, 1 the fibre.
+/// Throws InputError when the patch holds no tuft or a length is unusable.
+[[nodiscard]] ShellMesh generate_carpet(const CarpetDesign& design, std::array<double, 2> size, std::uint64_t seed,
+                                        bool with_fibres);
+
+/// Throws InputError naming the element on zero-length sides, coincident nodes, indices out of range.
+void check_mesh(const ShellMesh& mesh);
+
+struct CarpetOptions {
+  double hourglass_coefficient = 0.05;
+  double damping = 0;                  ///< 1/s, mass-proportional
+  Vec3 gravity{0, 0, -9.81};           ///< m/s^2
+  int thickness_points = 3;            ///< through the thickness, 1 to 5
+};
+
+/// Energies, J, as of the last force evaluation with kinetic energy centred there (see core/infill.h).
+struct CarpetEnergy {
+  double kinetic = 0;            ///< translation and rotation
+  double strain = 0;             ///< work of the shell stresses
+  double hourglass = 0;          ///< work of hourglass resistance
+  double gravity_potential = 0;  ///< relative to z = 0
+  double damping = 0;            ///< dissipated by mass-proportional damping
+  double external_work = 0;      ///< work of the loads given to step()
+};
+
+/// Nodes: positions at t, translational velocity half a step before.
+struct NodeView {
+  std::span<const double> x, y, z, vx, vy, vz;
+  std::span<const double> mass;            ///< kg, translational
+  std::span<const std::uint8_t> clamped;
+};
+
+class Carpet {
+ public:
+  /// materials[i] is the material with index i of the mesh. Throws InputError on an unusable mesh.
+  Carpet(ShellMesh mesh, std::vector<ShellMaterial> materials, const CarpetOptions& options);
+  ~Carpet();
+  Carpet(const Carpet&) = delete;
+  Carpet& operator=(const Carpet&) = delete;
+
+  [[nodiscard]] const ShellMesh& mesh() const;   ///< as built (reference positions)
+  [[nodiscard]] NodeView nodes() const;
+  /// Largest stable step of the shells alone, s, without safety factor.
+  [[nodiscard]] double stable_step() const;
+  /// Membrane stiffness of each node's surroundings, N/m: m / dt_crit^2 with the element's own critical step, the
+  /// material bound below which a contact spring on the node cannot govern the step. One value a node.
+  [[nodiscard]] std::span<const double> node_contact_stiffness() const;
+  /// One central-difference step. `force` (N, one per node) acts over the step; clamped nodes do not move and the
+  /// reaction to their load is not reported. Throws RunError naming element or node on non-finite values.
+  void step(double dt, const Vec3Array& force);
+  void set_damping(double rate);                 ///< 1/s
+  [[nodiscard]] CarpetEnergy energy() const;
+  /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
+  [[nodiscard]] Vec3 impulse_received() const;
+  [[nodiscard]] Vec3 impulse_to_clamps() const;
+  [[nodiscard]] std::uint64_t element_steps() const;
+  void set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular);
+  void set_position(std::size_t node, const Vec3& position);  ///< for restoring a settled shape; before stepping only
+
+  void save(h5::Group& group) const;
+  void load(const h5::Group& group);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tuft::fe

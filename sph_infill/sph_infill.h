@@ -1,0 +1,65 @@
+#pragma once
+/// Infill as a continuum: smoothed particle hydrodynamics with a soil-and-foam law.
+#include <memory>
+#include <vector>
+
+#include "core/infill.h"
+#include "core/scene.h"
+
+namespace tuft::sph {
+
+/// Box that a lattice fills: x and y of the patch (centred on the origin), from z = floor upwards.
+struct LatticeBox {
+  std::array<double, 2> size{};  ///< m
+  double floor = 0;              ///< m, top of the backing
+};
+
+struct Lattice {
+  Vec3Array position;               ///< m
+  std::vector<double> volume;       ///< m^3, reference
+  std::vector<Index> layer, material;
+  double pitch = 0;                 ///< m, in the plane (adjusted so that a whole number fits the patch)
+};
+
+/// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer gets a whole
+/// number of rows, its spacing in z adjusted to its depth, so that boundaries fall between rows and the mass of a
+/// layer is exactly bulk density x volume. Throws InputError for a layer thinner than half a pitch.
+[[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
+
+struct SphSettings {
+  SphOptions options;               ///< smoothing_length resolved (> 0)
+  Vec3 gravity{0, 0, -9.81};        ///< m/s^2
+  bool artificial_viscosity = true;
+  bool tension_cutoff = true;
+};
+
+/// Constrained modulus of the law at pressure p, Pa: K_unloading + 4/3 G there (the stiffest path).
+[[nodiscard]] double constrained_modulus(const SoilFoamMaterial& material, double pressure);
+
+class SphInfill final : public Infill {
+ public:
+  /// materials: Scene::materials; every material index of the lattice must have `continuum`.
+  SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
+  ~SphInfill() override;
+
+  [[nodiscard]] std::string_view approach() const override { return "sph"; }
+  [[nodiscard]] ParticleView particles() const override;
+  [[nodiscard]] double stable_step() const override;
+  AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
+  void set_damping(double rate) override;
+  [[nodiscard]] InfillEnergy energy() const override;
+  [[nodiscard]] std::uint64_t particle_steps() const override;
+  void save(h5::Group& group) override;
+  void load(const h5::Group& group) override;
+  [[nodiscard]] std::vector<Field> fields() const override;
+
+  /// For tests and benchmarks: sets a particle's velocity before the first advance.
+  void set_velocity(std::size_t i, const Vec3& v);
+  [[nodiscard]] double mean_neighbours() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tuft::sph
