@@ -14,15 +14,20 @@ namespace tuft::h5 {
 /// A group of an open file. Cheap to copy; keeps the file open while it lives.
 class Group {
  public:
+  struct Handle;  ///< internal (core/hdf5_handles.h)
+
   [[nodiscard]] Group create_group(std::string_view name);
   [[nodiscard]] Group open_group(std::string_view name) const;
   [[nodiscard]] bool has(std::string_view name) const;
 
   /// Writes a new dataset of rank shape.size(); an empty shape means one dimension, values.size() long.
   void write(std::string_view name, std::span<const double> values, std::vector<std::uint64_t> shape = {});
-  void write(std::string_view name, std::span<const std::int32_t> values, std::vector<std::uint64_t> shape = {});
-  void write(std::string_view name, std::span<const std::uint64_t> values, std::vector<std::uint64_t> shape = {});
-  void write(std::string_view name, std::span<const std::uint8_t> values, std::vector<std::uint64_t> shape = {});
+  void write(std::string_view name, std::span<const std::int32_t> values,
+             std::vector<std::uint64_t> shape = {});
+  void write(std::string_view name, std::span<const std::uint64_t> values,
+             std::vector<std::uint64_t> shape = {});
+  void write(std::string_view name, std::span<const std::uint8_t> values,
+             std::vector<std::uint64_t> shape = {});
   void write_scalar(std::string_view name, double value);
   void write_scalar(std::string_view name, std::uint64_t value);
   void write_string(std::string_view name, std::string_view value);
@@ -41,8 +46,7 @@ class Group {
   [[nodiscard]] std::vector<std::string> names() const;  ///< members, sorted
 
  private:
-  friend class File;
-  struct Handle;
+  friend struct GroupAccess;
   std::shared_ptr<Handle> handle_;
 };
 

@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <span>
+
+#include "core/effect_names.h"
+#include "core/scene.h"
+
+namespace tuft {
+namespace {
+
+/// What "auto" comes to, and why, in words a user reads in `explain` and summary.json.
+struct Need {
+  bool on;
+  std::string why;
+};
+
+struct EffectRule {
+  std::string_view name;
+  std::optional<Approach> only;  ///< the one approach that has this effect
+  Need (*needed)(const Scene&);
+};
+
+/// The infill materials that can touch something: a layer's own in SPH, its grains' in DEM.
+std::vector<const Material*> touching_materials(const Scene& scene) {
+  std::vector<const Material*> found;
+  for (const Layer& layer : scene.turf.layers) {
+    const Material& material = scene.materials[static_cast<std::size_t>(layer.material)];
+    if (scene.infill.approach == Approach::sph || material.grain_shares.empty()) found.push_back(&material);
+    if (scene.infill.approach == Approach::sph) continue;
+    for (const GrainShare& share : material.grain_shares)
+      found.push_back(&scene.materials[static_cast<std::size_t>(share.material)]);
+  }
+  return found;
+}
+
+/// Name of the first material for which `test` holds, or empty.
+std::string first_with(const Scene& scene, const std::function<bool(const Material&)>& test) {
+  const auto materials = touching_materials(scene);
+  const auto found =
+      std::find_if(materials.begin(), materials.end(), [&](const Material* m) { return test(*m); });
+  return found == materials.end() ? "" : (*found)->name;
+}
+
+bool depends_on_speed(const FrictionLaw& law) {
+  return law.decay > 0 && law.dynamic_coefficient != law.static_coefficient;
+}
+
+Need need_fibres(const Scene&) {
+  return {true, "the turf has a carpet: its strands confine the infill and carry part of the load"};
+}
+
+Need need_friction_rate(const Scene& scene) {
+  const std::string name = first_with(scene, [](const Material& m) {
+    return depends_on_speed(m.fibre_friction) || depends_on_speed(m.body_friction);
+  });
+  if (name.empty()) return {false, "no material's friction changes with sliding speed"};
+  return {true, "friction of " + name + " changes with sliding speed (static and dynamic differ, decay > 0)"};
+}
+
+Need need_artificial_viscosity(const Scene& scene) {
+  if (scene.infill.sph.viscosity_linear == 0 && scene.infill.sph.viscosity_quadratic == 0)
+    return {false, "infill.sph.viscosity_linear and viscosity_quadratic are both 0"};
+  return {true, "SPH needs it to keep particles in order and to spread shocks over a few of them"};
+}
+
+Need need_tension_cutoff(const Scene&) {
+  return {true, "loose infill bears no more tension than its material's tension_cutoff"};
+}
+
+Need need_rolling_resistance(const Scene& scene) {
+  const std::string name =
+      first_with(scene, [](const Material& m) { return m.grain && m.grain->rolling_friction > 0; });
+  if (name.empty()) return {false, "no grain material has rolling_friction above 0"};
+  return {true, "grains of " + name + " resist rolling (angular grains drawn as spheres)"};
+}
+
+Need need_overlap_release(const Scene& scene) {
+  if (scene.numerics.contact_release_time == 0) return {false, "numerics.contact_release_time is 0"};
+  return {true, "infill placed among fibres overlaps them at the start; the overlap is let go gradually"};
+}
+
+Need need_contact_damping(const Scene& scene) {
+  const std::string name = first_with(scene, [](const Material& m) { return m.contact_restitution < 1; });
+  if (name.empty()) return {false, "every material has contact_restitution 1"};
+  return {true, "contacts of " + name + " lose energy (contact_restitution below 1)"};
+}
+
+constexpr std::array<EffectRule, effect_names.size()> rules{{
+    {"fibres", std::nullopt, need_fibres},
+    {"friction_rate", std::nullopt, need_friction_rate},
+    {"artificial_viscosity", Approach::sph, need_artificial_viscosity},
+    {"tension_cutoff", Approach::sph, need_tension_cutoff},
+    {"rolling_resistance", Approach::dem, need_rolling_resistance},
+    {"overlap_release", std::nullopt, need_overlap_release},
+    {"contact_damping", std::nullopt, need_contact_damping},
+}};
+
+static_assert([] {
+  for (std::size_t i = 0; i < rules.size(); ++i)
+    if (rules[i].name != effect_names[i]) return false;
+  return true;
+}());
+
+EffectDecision decide(const EffectRule& rule, const Scene& scene) {
+  const std::string name(rule.name);
+  if (rule.only && *rule.only != scene.infill.approach)
+    return {name, false, *rule.only == Approach::sph ? "only for sph infill" : "only for dem infill"};
+  const auto chosen = scene.effects.choice.find(name);
+  const Switch choice = chosen == scene.effects.choice.end() ? Switch::automatic : chosen->second;
+  if (choice == Switch::on) return {name, true, "switched on in the scene"};
+  if (choice == Switch::off) return {name, false, "switched off in the scene"};
+  const Need need = rule.needed(scene);
+  return {name, need.on, need.why};
+}
+
+}  // namespace
+
+std::vector<EffectDecision> decide_effects(const Scene& scene) {
+  std::vector<EffectDecision> decisions;
+  for (const EffectRule& rule : rules) decisions.push_back(decide(rule, scene));
+  return decisions;
+}
+
+bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name) {
+  return std::any_of(decisions.begin(), decisions.end(),
+                     [name](const EffectDecision& decision) { return decision.name == name && decision.on; });
+}
+
+}  // namespace tuft
