@@ -117,7 +117,7 @@ void commit(Session& session) {
     return;
   }
   for (const BlockKind kind :
-       {BlockKind::raw_data, BlockKind::metadata, BlockKind::superblock, BlockKind::object_header}) {
+       {BlockKind::superblock, BlockKind::raw_data, BlockKind::metadata, BlockKind::object_header}) {
     for (const auto& [address, block] : session.held.blocks()) {
       if (error == 0 && block.kind == kind)
         error = write_all(session.descriptor, block.bytes.data(), block.bytes.size(), address);

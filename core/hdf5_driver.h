@@ -5,10 +5,10 @@
 /// file, tries again when the program ends, and leaves the file marked as open for writing; a killed writer
 /// leaves the same mark and whatever part of the metadata had been written. Here instead:
 /// - what lies beyond the old end of the file is written at once; nothing on disk refers to it yet;
-/// - what overwrites older bytes is kept in memory until the file is closed, then written in this order: raw
-/// data,
-///   index blocks and superblock, object headers. The object header holds a dataset's extent, so that new
-///   rows come into sight last, whole, and every state in between is a valid file for any HDF5 program;
+/// - what overwrites older bytes is kept in memory until the file is closed, then written in this order: superblock
+///   (which reserves the new space, so that a later session cannot give it away twice), raw data, index blocks,
+///   object headers. The object header holds a dataset's extent, so that new rows come into sight last, whole, and
+///   every state in between is a valid file for any HDF5 program, to read and to append to;
 /// - the first failed write is kept as the session's error; later writes stay in memory, so that the library
 /// closes
 ///   its books in peace; on closing, the file is cut back to its old length: it is what it was before;

@@ -1,6 +1,7 @@
 #pragma once
 /// Owned HDF5 identifiers, and the library's failures as RunError. Internal to core/hdf5_*.cpp and
 /// record_file.cpp.
+#include <fmt/format.h>
 #include <hdf5.h>
 
 #include <filesystem>
@@ -79,7 +80,7 @@ struct Group::Handle {
   Id id;
   std::string path;  ///< inside the file, for messages; "" for the root
 
-  [[nodiscard]] std::string object(std::string_view name) const { return path + "/" + std::string(name); }
+  [[nodiscard]] std::string object(std::string_view name) const { return fmt::format("{}/{}", path, name); }
 };
 
 /// The way from a Group to the library's identifiers and back.

@@ -8,7 +8,7 @@
 namespace tuft::h5 {
 
 /// In the order in which they are committed.
-enum class BlockKind { raw_data, metadata, superblock, object_header };
+enum class BlockKind { superblock, raw_data, metadata, object_header };
 
 /// Byte ranges that never overlap; a later write replaces what it covers.
 class WriteOverlay {

@@ -2,10 +2,9 @@
 /// Results that grow row by row (histories, frames, energies) in one HDF5 file that is readable after the writer
 /// was killed at any moment.
 ///
-/// How: rows are buffered in memory; `flush` opens the file, appends them under HDF5's single-writer-multiple-reader
-/// ordering (data before the metadata that points to it), and closes it. Between flushes the file is closed, whole
-/// and untouched. A kill in the middle of a flush leaves all earlier rows readable (h5::File::open clears the
-/// leftover "open for writing" mark).
+/// How: rows are buffered in memory; `flush` opens the file, appends them as one transaction (core/hdf5_driver.h: data
+/// before what points to it, extents last) and closes it. Between flushes the file is closed and whole; a kill or a
+/// failed write in the middle of a flush leaves all earlier rows readable, by any HDF5 program.
 #include <cstdint>
 #include <filesystem>
 #include <functional>

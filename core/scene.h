@@ -17,6 +17,13 @@ struct Curve {
   std::vector<double> x, y;
 };
 
+/// mu(v) = dynamic + (static - dynamic) exp(-decay v). dynamic may exceed static: friction rising with speed.
+struct FrictionLaw {
+  double static_coefficient = 0;   ///< >= 0
+  double dynamic_coefficient = 0;  ///< >= 0
+  double decay = 0;                ///< s/m, >= 0
+};
+
 /// Elastic shell material.
 struct ShellMaterial {
   double young_modulus = 0;  ///< Pa, > 0
@@ -40,6 +47,8 @@ struct CarpetDesign {
   ShellMaterial fibre, backing;
   double hourglass_coefficient = 0.05;  ///< Flanagan-Belytschko type, [0, 0.2]
   double damping = 0;                   ///< 1/s, mass-proportional damping of the carpet during the drop, >= 0
+  FrictionLaw body_friction;            ///< of fibres and backing against rig bodies and the tray
+  double contact_restitution = 0.5;     ///< (0, 1], of carpet nodes on rig bodies and the tray
 };
 
 /// Infill as a continuum: soil and foam (PHYSICS: Krieg; LS-DYNA MAT_005). Compression positive here.
@@ -70,13 +79,6 @@ struct GrainMaterial {
 struct GrainShare {
   Index material = 0;        ///< index into Scene::materials
   double mass_fraction = 0;  ///< (0, 1], shares of a layer add up to 1
-};
-
-/// mu(v) = dynamic + (static - dynamic) exp(-decay v). dynamic may exceed static: friction rising with speed.
-struct FrictionLaw {
-  double static_coefficient = 0;   ///< >= 0
-  double dynamic_coefficient = 0;  ///< >= 0
-  double decay = 0;                ///< s/m, >= 0
 };
 
 /// A material of inputs/materials/<name>.toml. Blocks it lacks are empty; a scene that needs one says so.
@@ -177,6 +179,7 @@ struct Numerics {
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch
+  double shell_contact_radius = 0.5;     ///< (0, 1]: contact radius of SPH particles at shells over half their diameter
   double contact_release_time = 0.002;   ///< s, over which initial overlap is let go
   double settle_time = 0.01;         ///< s of gravity settling before the rig is released
   double settle_damping = 400;       ///< 1/s, mass-proportional, while settling

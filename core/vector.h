@@ -1,6 +1,7 @@
 #pragma once
 /// Small vectors for single points. Bulk state lives in structures of arrays (one std::vector per component).
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <cstdint>
 #include <span>
