@@ -15,20 +15,21 @@ struct LatticeBox {
 };
 
 struct Lattice {
-  Vec3Array position;               ///< m
-  std::vector<double> volume;       ///< m^3, reference
+  Vec3Array position;          ///< m
+  std::vector<double> volume;  ///< m^3, reference
   std::vector<Index> layer, material;
-  double pitch = 0;                 ///< m, in the plane (adjusted so that a whole number fits the patch)
+  double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
 };
 
-/// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer gets a whole
-/// number of rows, its spacing in z adjusted to its depth, so that boundaries fall between rows and the mass of a
-/// layer is exactly bulk density x volume. Throws InputError for a layer thinner than half a pitch.
+/// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer
+/// gets a whole number of rows, its spacing in z adjusted to its depth, so that boundaries fall between rows
+/// and the mass of a layer is exactly bulk density x volume. Throws InputError for a layer thinner than half
+/// a pitch.
 [[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
 
 struct SphSettings {
-  SphOptions options;               ///< smoothing_length resolved (> 0)
-  Vec3 gravity{0, 0, -9.81};        ///< m/s^2
+  SphOptions options;         ///< smoothing_length resolved (> 0)
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool artificial_viscosity = true;
   bool tension_cutoff = true;
 };

@@ -1,0 +1,84 @@
+#pragma once
+/// Rising curves made of straight and exponential pieces, evaluated exactly (no resampling error) in constant
+/// time.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/vector.h"
+
+namespace tuft::sph {
+
+/// y = y0 + slope (exp(rate d) - 1) / rate with d = x - x0; a straight line for rate = 0. Its derivative is
+/// linear in y, dy/dx = slope + rate (y - y0), which is how a modulus that grows linearly with pressure
+/// reads.
+struct CurvePiece {
+  double x0 = 0, y0 = 0, slope = 0, rate = 0;
+
+  [[nodiscard]] TUFT_HD double value(double x) const {
+    const double d = x - x0;
+    return rate == 0 ? y0 + slope * d : y0 + slope * std::expm1(rate * d) / rate;
+  }
+  [[nodiscard]] TUFT_HD double derivative_at_value(double y) const { return slope + rate * (y - y0); }
+  [[nodiscard]] TUFT_HD double argument(double y) const {
+    const double d = (y - y0) / slope;
+    return x0 + (rate == 0 ? d : std::log1p(rate * d) / rate);
+  }
+};
+
+/// A curve from pieces that join. The first piece also serves all smaller x, the last all larger ones.
+class CurveTable {
+ public:
+  struct Point {
+    double value, derivative;
+  };
+
+  CurveTable() = default;
+  /// pieces: at least one, x0 and y0 strictly rising, slopes > 0.
+  explicit CurveTable(std::vector<CurvePiece> pieces) : pieces_(std::move(pieces)) {
+    // Bins cover the starts of all pieces but the first, which has no end below.
+    first_start_ = pieces_[std::min<std::size_t>(1, pieces_.size() - 1)].x0;
+    const double span = pieces_.back().x0 - first_start_;
+    if (span > 0) bins_per_x_ = static_cast<double>(bin_count) / span;
+    first_piece_.assign(bin_count + 1, 0);
+    // Each looks up half a bin lower than it begins, so that rounding of the bin number cannot skip a piece.
+    for (std::size_t b = 0; span > 0 && b <= bin_count; ++b)
+      first_piece_[b] =
+          static_cast<Index>(search_argument(first_start_ + (static_cast<double>(b) - 0.5) / bins_per_x_));
+  }
+
+  [[nodiscard]] Point operator()(double x) const {
+    const CurvePiece& piece = pieces_[piece_at(x)];
+    const double y = piece.value(x);
+    return {y, piece.derivative_at_value(y)};
+  }
+  /// x at which the curve takes the value y.
+  [[nodiscard]] double argument(double y) const {
+    const auto above = std::upper_bound(pieces_.begin() + 1, pieces_.end(), y,
+                                        [](double v, const CurvePiece& piece) { return v < piece.y0; });
+    return std::prev(above)->argument(y);
+  }
+  [[nodiscard]] const std::vector<CurvePiece>& pieces() const { return pieces_; }
+
+ private:
+  static constexpr std::size_t bin_count = 256;
+
+  [[nodiscard]] std::size_t search_argument(double x) const {
+    const auto above = std::upper_bound(pieces_.begin() + 1, pieces_.end(), x,
+                                        [](double v, const CurvePiece& piece) { return v < piece.x0; });
+    return static_cast<std::size_t>(above - pieces_.begin()) - 1;
+  }
+  [[nodiscard]] std::size_t piece_at(double x) const {
+    const double bin = std::clamp((x - first_start_) * bins_per_x_, 0.0, static_cast<double>(bin_count));
+    // A NaN passes clamp unchanged; it must not become an index.
+    auto k = static_cast<std::size_t>(first_piece_[bin >= 0 ? static_cast<std::size_t>(bin) : 0]);
+    while (k + 1 < pieces_.size() && x >= pieces_[k + 1].x0) ++k;
+    return k;
+  }
+
+  std::vector<CurvePiece> pieces_;
+  std::vector<Index> first_piece_;  ///< by bin: the last piece that begins no later than the bin
+  double first_start_ = 0, bins_per_x_ = 0;
+};
+
+}  // namespace tuft::sph

@@ -1,0 +1,32 @@
+#pragma once
+/// The matrix that makes a kernel gradient exact for linear fields (Randles & Libersky 1996; Bonet & Lok
+/// 1999).
+#include <Eigen/Eigenvalues>
+
+#include "sph_infill/tensor.h"
+
+namespace tuft::sph {
+
+/// A direction in which the moment matrix falls below this share of a full neighbourhood's (which is 1)
+/// counts as poorly supported. Free corners of a cubic lattice, the thinnest support that a bed has at rest,
+/// lie at 0.22 to 0.3.
+inline constexpr double least_support = 0.1;
+
+/// B = M^-1 of the moment matrix M = sum_j V_j (x_j - x_i) (x) grad_i W_ij (symmetric, >= 0; near the unit
+/// matrix inside).
+///
+/// Poorly supported particles (spray, a line or a sheet of particles): each eigenvalue of M below
+/// `least_support` is replaced by it. Supported directions stay exact, the gradient in the others fades to
+/// zero with the support, B is continuous in M and bounded by 1/least_support, so that such a particle cannot
+/// ruin the stable step. A particle without neighbours has M = 0 and a zero gradient whatever B is.
+inline SymmetricTensor correction_matrix(const SymmetricTensor& moment) {
+  const double det = determinant(moment), sum = trace(moment);
+  // The two larger eigenvalues multiply to at most (sum/2)^2, so this bounds the smallest from below.
+  if (det >= least_support * 0.25 * sum * sum && sum > 0) return inverse(moment, det);
+  const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(to_matrix(moment));
+  const Vec3 inverted = spectrum.eigenvalues().cwiseMax(least_support).cwiseInverse();
+  return symmetric_part(spectrum.eigenvectors() * inverted.asDiagonal() *
+                        spectrum.eigenvectors().transpose());
+}
+
+}  // namespace tuft::sph

@@ -1,0 +1,55 @@
+#pragma once
+/// Smoothing kernels in three dimensions with support 2h, as values: a loop is compiled for one of them.
+///
+/// Loops need dW/dr / r alone: grad_i W_ij = (dW/dr / r) (x_i - x_j). It is finite at r = 0 and zero beyond
+/// the support, so that a list may hold pairs that are too far apart, and the particle itself.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/vector.h"
+
+namespace tuft::sph {
+
+/// Wendland C2 (Wendland 1995; Dehnen & Aly 2012): W = s (1 - q/2)^4 (2q + 1), s = 21/(16 pi h^3), q = r/h.
+/// Its Fourier transform is positive everywhere, so that particles do not pair.
+struct WendlandC2 {
+  double h = 0, inverse_h = 0, scale = 0;
+
+  explicit WendlandC2(double smoothing_length)
+      : h(smoothing_length), inverse_h(1 / h), scale(21 / (16 * std::numbers::pi * h * h * h)) {}
+
+  /// 1/m^3; distance in m, >= 0.
+  [[nodiscard]] TUFT_HD double value(double distance) const {
+    const double q = distance * inverse_h, t = std::max(0.0, 1 - 0.5 * q);
+    return scale * t * t * t * t * (2 * q + 1);
+  }
+  /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5.
+  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
+    const double q = std::sqrt(distance_squared) * inverse_h, t = std::max(0.0, 1 - 0.5 * q);
+    return -5 * scale * inverse_h * inverse_h * t * t * t;
+  }
+};
+
+/// Cubic spline (Monaghan & Lattanzio 1985): W = s (1 - 3/2 q^2 + 3/4 q^3) for q < 1, s/4 (2 - q)^3 for q <
+/// 2, s = 1/(pi h^3).
+struct CubicSpline {
+  double h = 0, inverse_h = 0, scale = 0;
+
+  explicit CubicSpline(double smoothing_length)
+      : h(smoothing_length), inverse_h(1 / h), scale(1 / (std::numbers::pi * h * h * h)) {}
+
+  [[nodiscard]] TUFT_HD double value(double distance) const {
+    const double q = distance * inverse_h, t = std::max(0.0, 2 - q);
+    return scale * (q < 1 ? 1 - 1.5 * q * q + 0.75 * q * q * q : 0.25 * t * t * t);
+  }
+  /// dW/dr / r = s/h^2 (-3 + 9/4 q) for q < 1, -s/h^2 3/4 (2 - q)^2 / q for q < 2.
+  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
+    const double q = std::sqrt(distance_squared) * inverse_h, t = std::max(0.0, 2 - q);
+    const double inner = 2.25 * q - 3;
+    const double outer = -0.75 * t * t / std::max(1.0, q);  // used for q >= 1 only: no division by zero
+    return scale * inverse_h * inverse_h * (q < 1 ? inner : outer);
+  }
+};
+
+}  // namespace tuft::sph

@@ -1,0 +1,63 @@
+#include <cmath>
+
+#include "core/error.h"
+#include "sph_infill/sph_infill.h"
+
+namespace tuft::sph {
+namespace {
+
+/// Rows of one layer: a whole number, spaced so that they fill its depth.
+struct LayerRows {
+  double bottom, spacing;
+  int count;
+};
+
+std::vector<LayerRows> divide_layers(const Turf& turf, double floor, double pitch) {
+  std::vector<LayerRows> rows;
+  double bottom = floor;
+  for (std::size_t k = 0; k < turf.layers.size(); ++k) {
+    const double depth = turf.layers[k].depth;
+    if (!(depth >= 0.5 * pitch))
+      throw_input_error(
+          "turf.layers[{}]: depth {} m is less than half the SPH pitch of {} m; make the layer deeper or "
+          "infill.sph.pitch smaller",
+          k, depth, pitch);
+    const int count = std::max(1, static_cast<int>(std::lround(depth / pitch)));
+    rows.push_back({bottom, depth / count, count});
+    bottom += depth;
+  }
+  return rows;
+}
+
+}  // namespace
+
+Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
+  if (!(pitch > 0) || !std::isfinite(pitch))
+    throw_input_error("infill.sph.pitch is {} m; it must be above 0", pitch);
+  for (const double side : box.size)
+    if (!(side >= pitch) || !std::isfinite(side))
+      throw_input_error("turf.size: a side of {} m is shorter than the SPH pitch of {} m", side, pitch);
+  if (turf.layers.empty()) throw_input_error("turf.layers is empty; SPH infill needs at least one layer");
+
+  const std::vector<LayerRows> rows = divide_layers(turf, box.floor, pitch);
+  const long nx = std::lround(box.size[0] / pitch), ny = std::lround(box.size[1] / pitch);
+  const double px = box.size[0] / static_cast<double>(nx), py = box.size[1] / static_cast<double>(ny);
+
+  Lattice lattice;
+  lattice.pitch = std::sqrt(px * py);
+  // z runs fastest: beds are flat, so neighbours in all directions stay close in memory.
+  for (long ix = 0; ix < nx; ++ix)
+    for (long iy = 0; iy < ny; ++iy)
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (int iz = 0; iz < rows[k].count; ++iz) {
+          lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
+                                      (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
+                                      rows[k].bottom + (iz + 0.5) * rows[k].spacing});
+          lattice.volume.push_back(px * py * rows[k].spacing);
+          lattice.layer.push_back(static_cast<Index>(k));
+          lattice.material.push_back(turf.layers[k].material);
+        }
+  return lattice;
+}
+
+}  // namespace tuft::sph

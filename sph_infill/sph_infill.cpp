@@ -1,0 +1,241 @@
+#include "sph_infill/sph_infill.h"
+
+#include <cmath>
+#include <map>
+
+#include "core/error.h"
+#include "sph_infill/sph_infill_impl.h"
+
+namespace tuft::sph {
+namespace {
+
+/// Skin of the neighbour list over the pitch. Wider: fewer rebuilds, more pairs out of reach to pass over.
+constexpr double skin_over_pitch = 0.2;
+
+void check_settings(const Lattice& lattice, const SphSettings& settings) {
+  const SphOptions& options = settings.options;
+  if (lattice.position.size() == 0) throw_input_error("SPH infill has no particles");
+  if (!(options.smoothing_length > 0) || !std::isfinite(options.smoothing_length))
+    throw_input_error("infill.sph.smoothing_length is {} m; it must be above 0", options.smoothing_length);
+  if (!(lattice.pitch > 0))
+    throw_input_error("lattice of SPH infill has pitch {} m; it must be above 0", lattice.pitch);
+  for (const double viscosity : {options.viscosity_linear, options.viscosity_quadratic})
+    if (!(viscosity >= 0) || !std::isfinite(viscosity))
+      throw_input_error("infill.sph viscosity is {}; it must be at least 0", viscosity);
+}
+
+SoilLaw law_of(const std::vector<Material>& materials, Index index, bool tension_cutoff) {
+  if (index < 0 || static_cast<std::size_t>(index) >= materials.size())
+    throw_input_error("SPH infill names material number {}, but there are {}", index, materials.size());
+  const Material& material = materials[static_cast<std::size_t>(index)];
+  if (!material.continuum)
+    throw_input_error("{}: material \"{}\" has no [continuum] block, which SPH infill needs", material.file,
+                      material.name);
+  try {
+    return make_soil_law(*material.continuum, tension_cutoff);
+  } catch (const InputError& error) {
+    throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
+  }
+}
+
+}  // namespace
+
+SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materials,
+                     const SphSettings& settings)
+    : impl_(std::make_unique<Impl>()) {
+  check_settings(lattice, settings);
+  Impl& m = *impl_;
+  m.settings.options = settings.options;
+  m.settings.artificial_viscosity = settings.artificial_viscosity;
+  m.settings.step_limit = make_step_limit(settings.options, settings.artificial_viscosity);
+  m.gravity = settings.gravity;
+
+  Particles& p = m.particles;
+  const std::size_t n = lattice.position.size();
+  p.position = lattice.position;
+  p.velocity.assign(n, 0);
+  p.next_velocity.assign(n, 0);
+  p.gradient_sum.assign(n, 0);
+  for (auto* values : {&p.compression, &p.largest_compression, &p.plastic_compression, &p.pressure,
+                       &p.bulk_modulus, &p.mass, &p.radius, &p.viscous_linear, &p.viscous_quadratic})
+    values->assign(n, 0);
+  for (auto& values : p.deviator) values.assign(n, 0);
+  for (auto& values : p.stress_gradient) values.assign(n, 0);
+  p.reference_volume = p.volume = p.next_volume = lattice.volume;
+  p.layer = lattice.layer;
+  p.material = lattice.material;
+  p.law.resize(n);
+
+  std::map<Index, Index> law_of_material;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto [entry, is_new] =
+        law_of_material.try_emplace(p.material[i], static_cast<Index>(m.settings.laws.size()));
+    if (is_new) m.settings.laws.push_back(law_of(materials, p.material[i], settings.tension_cutoff));
+    const SoilLaw& law = m.settings.laws[static_cast<std::size_t>(entry->second)];
+    p.law[i] = entry->second;
+    p.set_soil_state(i, reference_state(law));
+    p.mass[i] = law.density * lattice.volume[i];
+    p.radius[i] = 0.5 * std::cbrt(lattice.volume[i]);
+  }
+  m.stress_blocks.resize(block_count(p));
+  m.kick_blocks.resize(block_count(p));
+  m.drift_blocks.resize(block_count(p));
+  m.list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * lattice.pitch);
+  m.list.build(p.position);
+  // A step of no length evaluates what depends on the state alone, the stable step among it.
+  m.stable_step = update_stress(m.settings, m.list, 0, p, m.stress_blocks).stable_step;
+}
+
+SphInfill::~SphInfill() = default;
+
+ParticleView SphInfill::particles() const {
+  const Particles& p = impl_->particles;
+  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, {},
+          {},           {},           p.radius,     p.mass,       p.layer,      p.material};
+}
+
+double SphInfill::stable_step() const {
+  return impl_->stable_step;
+}
+
+InfillEnergy SphInfill::energy() const {
+  return impl_->energy;
+}
+
+std::uint64_t SphInfill::particle_steps() const {
+  return impl_->particle_steps;
+}
+
+void SphInfill::set_damping(double rate) {
+  if (!(rate >= 0) || !std::isfinite(rate))
+    throw_input_error("damping rate of the infill is {} 1/s; it must be at least 0", rate);
+  impl_->damping = rate;
+}
+
+void SphInfill::set_velocity(std::size_t i, const Vec3& v) {
+  impl_->particles.velocity.set(i, v);
+}
+
+double SphInfill::mean_neighbours() const {
+  const Particles& p = impl_->particles;
+  const double support = 2 * impl_->settings.options.smoothing_length;
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    for (const Index j : impl_->list.row(i)) {
+      const double distance_squared = (p.position[i] - p.position[static_cast<std::size_t>(j)]).squaredNorm();
+      if (static_cast<std::size_t>(j) != i && distance_squared < support * support) ++pairs;
+    }
+  return static_cast<double>(pairs) / static_cast<double>(p.size());
+}
+
+AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpulses& contact) {
+  Impl& m = *impl_;
+  const std::size_t n = m.particles.size(), given = contact.linear.size();
+  if (!(window > 0) || !std::isfinite(window) || substeps < 1)
+    throw_run_error("SPH infill: a window of {} s in {} substeps cannot be advanced", window, substeps);
+  if (given != 0 && given != n)
+    throw_run_error("SPH infill: contact impulses for {} particles, but there are {}", given, n);
+
+  AdvanceReport report;
+  for (int s = 0; s < substeps; ++s) {
+    const KickSums kicked = m.step(window / substeps, given ? &contact.linear : nullptr, 1.0 / substeps);
+    report.impulse_received += kicked.impulse;
+    report.impulse_scale += kicked.impulse_scale;
+  }
+  report.substeps = substeps;
+  return report;
+}
+
+KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
+  if (displacement > list.allowed_displacement()) list.build(particles.position);
+
+  const StressSums stress = update_stress(settings, list, step_before, particles, stress_blocks);
+  if (!stress.valid) report_invalid_stress();
+  stable_step = stress.stable_step;
+
+  const Kick now{0.5 * (step_before + dt), gravity, damping, impulse, impulse_share};
+  const KickSums kicked = kick(settings, list, now, particles, kick_blocks);
+  record_energy(stress, kicked);
+
+  const DriftCheck moved = drift(dt, list.reference(), particles, drift_blocks);
+  if (!moved.valid) report_invalid_motion();
+  displacement = std::sqrt(moved.largest_displacement_squared);
+  time += dt;
+  step_before = dt;
+  particle_steps += particles.size();
+  return kicked;
+}
+
+/// Energies of t_k, where the kick's first half has been done and its second has not.
+void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& kicked) {
+  energy.kinetic = kicked.kinetic;
+  energy.gravity_potential = kicked.gravity_potential;
+  energy.stored += stress.work - stress.plastic;
+  energy.dissipated += stress.plastic + half_kick.viscous + 0.5 * kicked.viscous;
+  energy.damping += half_kick.damping + 0.5 * kicked.damping;
+  energy.contact_work += half_kick.contact + 0.5 * kicked.contact;
+  half_kick.viscous = 0.5 * kicked.viscous;
+  half_kick.damping = 0.5 * kicked.damping;
+  half_kick.contact = 0.5 * kicked.contact;
+}
+
+void SphInfill::Impl::refresh_displacement() {
+  double largest = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    largest = std::max(largest, (particles.position[i] - list.reference()[i]).squaredNorm());
+  displacement = std::sqrt(largest);
+}
+
+void SphInfill::Impl::report_invalid_stress() const {
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const SoilState s = particles.soil_state(i);
+    const double ratio = std::exp(s.compression);
+    if (!(ratio > smallest_density_ratio && ratio < largest_density_ratio))
+      throw_run_error(
+          "SPH infill: particle {} at t = {:.6g} s: density is {:.6g} times the reference, outside [{}, {}]; "
+          "the run "
+          "is unstable: lower numerics.step_safety, or look at what loads this particle",
+          i, time, ratio, smallest_density_ratio, largest_density_ratio);
+    if (!std::isfinite(s.pressure))
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: pressure is {} Pa", i, time, s.pressure);
+    if (!std::isfinite(double_dot(s.deviator, s.deviator)))
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: deviatoric stress is not finite", i, time);
+  }
+  throw_run_error("SPH infill at t = {:.6g} s: an invalid stress was found, then not again", time);
+}
+
+void SphInfill::Impl::report_invalid_motion() const {
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Vec3 v = particles.velocity[i], x = particles.position[i];
+    if (!v.allFinite())
+      throw_run_error(
+          "SPH infill: particle {} at t = {:.6g} s: velocity is ({}, {}, {}) m/s; look at the contact that "
+          "loads "
+          "it, or lower numerics.step_safety",
+          i, time, v.x(), v.y(), v.z());
+    if (!x.allFinite())
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: position is ({}, {}, {}) m", i, time, x.x(),
+                      x.y(), x.z());
+  }
+  throw_run_error("SPH infill at t = {:.6g} s: displacements are too large to square; the run is unstable",
+                  time);
+}
+
+std::vector<Infill::Field> SphInfill::fields() const {
+  const Particles& p = impl_->particles;
+  const std::size_t n = p.size();
+  std::vector<double> density(n), shear(n), vertical(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const SoilState s = p.soil_state(i);
+    density[i] = p.mass[i] / p.volume[i];
+    shear[i] = std::sqrt(0.5 * double_dot(s.deviator, s.deviator));
+    vertical[i] = s.deviator.zz - s.pressure;
+  }
+  return {{"pressure", "Pa", p.pressure},
+          {"density", "kg/m^3", std::move(density)},
+          {"shear_stress", "Pa", std::move(shear)},
+          {"vertical_stress", "Pa", std::move(vertical)},
+          {"plastic_compression", "1", p.plastic_compression}};
+}
+
+}  // namespace tuft::sph

@@ -1,0 +1,34 @@
+#pragma once
+/// What SphInfill holds; shared by its stepping and its checkpoints.
+#include "sph_infill/sph_infill.h"
+#include "sph_infill/sph_loops.h"
+
+namespace tuft::sph {
+
+struct SphInfill::Impl {
+  LoopSettings settings;
+  Vec3 gravity{0, 0, 0};
+  Particles particles;
+  NeighbourList list;
+
+  double time = 0;          ///< s, t_k of the positions
+  double step_before = 0;   ///< s, drift that led to t_k; 0 at the start of a run
+  double damping = 0;       ///< 1/s
+  double stable_step = 0;   ///< s, as of the last stress evaluation
+  double displacement = 0;  ///< m, largest since the list was built
+  std::uint64_t particle_steps = 0;
+  InfillEnergy energy;  ///< as of the last force evaluation
+  KickSums half_kick;   ///< works of the half of the last kick that lies after that moment
+
+  std::vector<StressSums> stress_blocks;
+  std::vector<KickSums> kick_blocks;
+  std::vector<DriftCheck> drift_blocks;
+
+  KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
+  void record_energy(const StressSums& stress, const KickSums& kicked);
+  void refresh_displacement();
+  [[noreturn]] void report_invalid_stress() const;
+  [[noreturn]] void report_invalid_motion() const;
+};
+
+}  // namespace tuft::sph
