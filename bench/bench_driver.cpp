@@ -46,8 +46,9 @@ class ScratchFolder {
 Figures measure_program(const fs::path& program, const fs::path& scratch) {
   const fs::path report = scratch / (program.filename().string() + ".json");
   const fs::path log = scratch / (program.filename().string() + ".log");
-  const int code = tuft::bench::run_program(
-      {program, "--benchmark_out=" + report.string(), "--benchmark_out_format=json"}, log);
+  const int code = tuft::bench::run_program({program, "--benchmark_out=" + report.string(),
+                                             "--benchmark_out_format=json", "--benchmark_repetitions=3"},
+                                            log);
   if (code != 0) throw std::runtime_error(fmt::format("{} ended with code {}", program.string(), code));
   std::ifstream file(report);
   return tuft::bench::figures_of_benchmark(nlohmann::json::parse(file));

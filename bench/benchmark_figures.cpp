@@ -20,10 +20,10 @@ struct Definition {
 };
 
 constexpr std::array definitions{
-    Definition{"shell_one_point_elastic", "element-steps/s", "items_per_second", Best::largest},
-    Definition{"shell_one_point_3pt", "element-steps/s", "items_per_second", Best::largest},
-    Definition{"sph_paper", "particle-steps/s", "items_per_second", Best::largest},
-    Definition{"sph_accurate", "particle-steps/s", "items_per_second", Best::largest},
+    Definition{"shell_one_point_elastic", "element-steps/s", "element_steps", Best::largest},
+    Definition{"shell_one_point_3pt", "element-steps/s", "element_steps", Best::largest},
+    Definition{"sph_paper", "particle-steps/s", "particle_steps", Best::largest},
+    Definition{"sph_accurate", "particle-steps/s", "particle_steps", Best::largest},
     Definition{"bridge_overhead_20k", "share of the DEM step", "share", Best::smallest},
     Definition{"bridge_overhead_100k", "share of the DEM step", "share", Best::smallest},
 };

@@ -8,10 +8,11 @@
 
 namespace tuft::bench {
 
-/// Takes every measured repetition named `<figure>/<threads>[/...]` and keeps the best of each. A rate
-/// (SetItemsProcessed) is best when largest; a share (user counter `share`) when smallest. Names that are not
-/// in the list of figures are left out, so that a benchmark program may hold others for its own use. Throws
-/// std::runtime_error for a figure without a value, or one that stopped with an error (with its words).
+/// Takes every measured repetition named `<figure>/<threads>[/...]` and keeps the best of each. The value is
+/// the user counter `element_steps` of shells or `particle_steps` of SPH (rates: the largest is best), or
+/// `share` of the bridge (the smallest is best). Names that are not in the list of figures are left out, so
+/// that a benchmark program may hold others for its own use. Throws std::runtime_error for a figure without a
+/// value, or one that stopped with an error (with its words).
 [[nodiscard]] Figures figures_of_benchmark(const nlohmann::json& report);
 
 /// Names of all figures that benchmark programs are expected to give, with their suffixes /1 and /2.

@@ -18,13 +18,13 @@ TEST(BenchmarkFigures, RateIsTheLargestOfTheRepetitions) {
   const Figures figures = figures_of_benchmark(report_of({
       {{"name", "sph_paper/2/iterations:3/repeats:2/real_time"},
        {"run_type", "iteration"},
-       {"items_per_second", 4e6}},
+       {"particle_steps", 4e6}},
       {{"name", "sph_paper/2/iterations:3/repeats:2/real_time"},
        {"run_type", "iteration"},
-       {"items_per_second", 5e6}},
+       {"particle_steps", 5e6}},
       {{"name", "sph_paper/2/iterations:3/repeats:2/real_time_mean"},
        {"run_type", "aggregate"},
-       {"items_per_second", 9e6}},
+       {"particle_steps", 9e6}},
   }));
   ASSERT_EQ(figures.size(), 1u);
   const Figure& figure = figures.at("sph_paper/2");
@@ -44,10 +44,10 @@ TEST(BenchmarkFigures, ShareIsTheSmallestOfTheRepetitions) {
 
 TEST(BenchmarkFigures, NamesThatAreNoFiguresAreLeftOut) {
   const Figures figures = figures_of_benchmark(report_of({
-      {{"name", "neighbour_search/1"}, {"run_type", "iteration"}, {"items_per_second", 1.0}},
-      {{"name", "sph_paper"}, {"run_type", "iteration"}, {"items_per_second", 1.0}},
-      {{"name", "sph_paper/threads:2"}, {"run_type", "iteration"}, {"items_per_second", 1.0}},
-      {{"name", "sph_paper/2x"}, {"run_type", "iteration"}, {"items_per_second", 1.0}},
+      {{"name", "neighbour_search/1"}, {"run_type", "iteration"}, {"particle_steps", 1.0}},
+      {{"name", "sph_paper"}, {"run_type", "iteration"}, {"particle_steps", 1.0}},
+      {{"name", "sph_paper/threads:2"}, {"run_type", "iteration"}, {"particle_steps", 1.0}},
+      {{"name", "sph_paper/2x"}, {"run_type", "iteration"}, {"particle_steps", 1.0}},
   }));
   EXPECT_TRUE(figures.empty());
 }
@@ -59,7 +59,7 @@ TEST(BenchmarkFigures, FigureWithoutItsCounterIsAnError) {
     static_cast<void>(figures_of_benchmark(report));
     FAIL() << "no error";
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "sph_accurate/1 reports no items_per_second");
+    EXPECT_STREQ(error.what(), "sph_accurate/1 reports no particle_steps");
   }
 }
 
