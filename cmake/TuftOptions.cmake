@@ -1,6 +1,7 @@
 # Compiler settings shared by every target.
 option(TUFT_BUILD_TESTS "build the tests" ON)
 option(TUFT_BUILD_BENCH "build the benchmark programs" ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)  # tuft finds liggghts_host beside itself
 option(TUFT_NATIVE "optimise for the processor of this machine (-march=native)" ON)
 set(TUFT_SANITIZE "" CACHE STRING "sanitizers to build with, e.g. address,undefined or thread")
 

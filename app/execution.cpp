@@ -1,0 +1,60 @@
+#include "app/execution.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+
+#include "app/number_format.h"
+#include "app/report.h"
+#include "app/summary_table.h"
+#include "core/error.h"
+
+namespace tuft::app {
+
+AttendedRun::AttendedRun(rigs::RunRequest& request, const std::string& title)
+    : display_(std::make_shared<ProgressDisplay>(title)) {
+  const std::filesystem::path file = request.folder / "log.txt";
+  try {
+    auto logger = std::make_shared<spdlog::logger>(
+        "run", std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string()));
+    logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+    logger->flush_on(spdlog::level::info);
+    // A full disk must end the run through its results, not print from inside the logger.
+    logger->set_error_handler([](const std::string&) {});
+    spdlog::set_default_logger(std::move(logger));
+  } catch (const spdlog::spdlog_ex&) {
+    throw_input_error("{}: cannot be written; make the folder writable or choose another --out",
+                      file.string());
+  }
+  spdlog::info("{} '{}' with {} infill", request.resume ? "resuming" : "running", request.scene.info.name,
+               request.scene.infill.approach == Approach::sph ? "sph" : "dem");
+  request.on_progress = [display = display_](const rigs::Progress& progress) { display->show(progress); };
+}
+
+AttendedRun::~AttendedRun() {
+  display_->finish();
+  spdlog::shutdown();
+}
+
+int conclude_run(const std::filesystem::path& folder, const rigs::RunSummary& summary,
+                 bool stopped_by_signal) {
+  const std::filesystem::path report = folder / "report.html";
+  const bool failed = summary.status == "failed";
+  try {
+    write_report({folder}, report);
+  } catch (const RunError&) {
+    // After a full disk the report cannot be written either; the run's own error says more.
+    if (!failed) throw;
+  }
+  fmt::print("\n{}", summary_table({summary}));
+  std::error_code ignored;
+  if (std::filesystem::exists(report, ignored)) fmt::print("\nreport: {}\n", report.string());
+  std::fflush(stdout);
+  if (failed) throw RunError(summary.error);
+  if (summary.status != "stopped") return 0;
+  fmt::print("stopped at {}; go on with: tuft resume {}\n", format_quantity(summary.simulated_time, "s"),
+             folder.string());
+  return stopped_by_signal ? 1 : 0;
+}
+
+}  // namespace tuft::app

@@ -1,0 +1,105 @@
+#include "app/report_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/scene_reader.h"
+#include "rigs/run_folder.h"
+
+namespace tuft::app {
+namespace {
+
+/// All columns cut to the shortest: a kill in the middle of a flush can leave some a row longer.
+TimeTable read_time_table(const h5::Group& root, const std::string& name) {
+  TimeTable table;
+  if (!root.has(name)) return table;
+  const h5::Group group = root.open_group(name);
+  if (!group.has("time")) return table;
+  std::size_t rows = group.shape("time").at(0);
+  for (const std::string& member : group.names()) {
+    if (group.shape(member).size() != 1) continue;
+    std::vector<double> values = group.read_doubles(member);
+    rows = std::min(rows, values.size());
+    if (member == "time")
+      table.time = std::move(values);
+    else
+      table.columns[member] = std::move(values);
+  }
+  table.time.resize(rows);
+  for (auto& [column, values] : table.columns) values.resize(rows);
+  return table;
+}
+
+std::optional<double> find_touch(const TimeTable& history, double touch_force) {
+  if (!history.has("contact_force")) return std::nullopt;
+  const std::vector<double>& force = history.at("contact_force");
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (history.time[i] >= 0 && force[i] >= touch_force) return history.time[i];
+  return std::nullopt;
+}
+
+void read_records(RunData& run) {
+  const h5::Group root = h5::File::open(run.folder / "run.h5").root();
+  if (root.has("scene"))
+    run.scene = read_scene_text(root.read_string("scene"), (run.folder / "run.h5").string());
+  run.history = read_time_table(root, "history");
+  run.energy = read_time_table(root, "energy");
+  if (root.has("frames") && root.open_group("frames").has("time"))
+    run.frame_times = root.open_group("frames").read_doubles("time");
+  run.touch_time = find_touch(run.history, run.scene ? run.scene->rig.clegg.touch_force : 0.0);
+}
+
+}  // namespace
+
+RunData read_run(const std::filesystem::path& folder) {
+  RunData run;
+  run.folder = folder;
+  run.summary = rigs::read_summary(folder);
+  run.label = run.summary.approach;
+  std::transform(run.label.begin(), run.label.end(), run.label.begin(),
+                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
+  std::error_code ignored;
+  if (std::filesystem::exists(folder / "run.h5", ignored)) {
+    try {
+      read_records(run);
+    } catch (const RunError&) {
+      // A run that died while its file was being made has a summary and no readable records: the report shows
+      // the summary.
+    }
+  }
+  if (!run.scene && std::filesystem::exists(folder / "scene.toml", ignored))
+    run.scene = rigs::read_run_scene(folder);
+  return run;
+}
+
+std::vector<std::filesystem::path> expand_run_folders(const std::vector<std::filesystem::path>& folders) {
+  std::vector<std::filesystem::path> runs;
+  std::error_code ignored;
+  for (const std::filesystem::path& folder : folders) {
+    const bool is_run = std::filesystem::exists(folder / "summary.json", ignored);
+    bool expanded = false;
+    for (const char* member : {"sph", "dem"}) {
+      if (is_run || !std::filesystem::exists(folder / member / "summary.json", ignored)) continue;
+      runs.push_back(folder / member);
+      expanded = true;
+    }
+    if (!expanded) runs.push_back(folder);
+  }
+  return runs;
+}
+
+std::optional<double> peak_time(const RunData& run) {
+  if (!run.history.has("acceleration_filtered")) return std::nullopt;
+  const std::vector<double>& acceleration = run.history.at("acceleration_filtered");
+  std::optional<double> at;
+  double largest = 0;
+  for (std::size_t i = 0; i < acceleration.size(); ++i) {
+    if (run.history.time[i] < 0 || acceleration[i] <= largest) continue;
+    largest = acceleration[i];
+    at = run.history.time[i];
+  }
+  return at;
+}
+
+}  // namespace tuft::app

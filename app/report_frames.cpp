@@ -1,0 +1,99 @@
+/// Frames: the particles and facets near the section plane, out of run.h5.
+#include <algorithm>
+#include <cmath>
+
+#include "app/report_data.h"
+#include "core/error.h"
+
+namespace tuft::app {
+namespace {
+
+/// Row `frame` of a dataset [F, ...].
+std::vector<double> read_row(const h5::Group& group, const std::string& name, std::size_t frame) {
+  const std::vector<std::uint64_t> shape = group.shape(name);
+  std::size_t length = 1;
+  for (std::size_t d = 1; d < shape.size(); ++d) length *= shape[d];
+  const std::vector<double> all = group.read_doubles(name);
+  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(frame * length);
+  return {begin, begin + static_cast<std::ptrdiff_t>(length)};
+}
+
+std::vector<double> read_optional(const h5::Group& group, const std::string& name, std::size_t count,
+                                  double otherwise) {
+  return group.has(name) ? group.read_doubles(name) : std::vector<double>(count, otherwise);
+}
+
+Missile read_missile(const h5::Group& frames, std::size_t frame, const std::optional<Scene>& scene) {
+  Missile missile;
+  if (scene) missile = {0.5 * scene->rig.clegg.diameter, scene->rig.clegg.height, 0, 0, 0};
+  if (!frames.has("bodies") || !frames.open_group("bodies").has("missile")) return missile;
+  const h5::Group group = frames.open_group("bodies").open_group("missile");
+  const std::vector<double> position = read_row(group, "position", frame);
+  missile.x = position.at(0);
+  missile.y = position.at(1);
+  missile.face_height = position.at(2);
+  return missile;
+}
+
+void read_dots(const h5::Group& infill, std::size_t frame, Section& section) {
+  const std::vector<double> position = read_row(infill, "position", frame);
+  const std::size_t count = position.size() / 3;
+  const std::vector<double> radius = read_optional(infill, "radius", count, 1e-3);
+  std::vector<std::int32_t> material(count, 0);
+  if (infill.has("material")) material = infill.read_ints("material");
+  if (count == 0) return;
+  double mean_diameter = 0;
+  for (const double r : radius) mean_diameter += 2 * r / static_cast<double>(count);
+  section.particle_slice = 1.5 * mean_diameter;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double depth = section.missile.y - position[3 * i + 1];
+    if (std::abs(depth) > 0.5 * section.particle_slice) continue;
+    section.dots.push_back({static_cast<float>(position[3 * i]), static_cast<float>(position[3 * i + 2]),
+                            static_cast<float>(radius[i]), static_cast<float>(depth), material[i]});
+  }
+  std::stable_sort(section.dots.begin(), section.dots.end(),
+                   [](const Dot& a, const Dot& b) { return a.depth < b.depth; });
+}
+
+void read_facets(const h5::Group& carpet, std::size_t frame, double slice, Section& section) {
+  const std::vector<double> position = read_row(carpet, "position", frame);
+  const std::vector<std::int32_t> quads = carpet.read_ints("quads");
+  const std::vector<std::int32_t> surface = carpet.read_ints("surface");
+  section.facet_slice = slice;
+  for (std::size_t q = 0; q < surface.size(); ++q) {
+    Facet facet{{}, surface[q] == 0};
+    double y = 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const std::size_t node = static_cast<std::size_t>(quads[4 * q + c]);
+      facet.corner[c] = {static_cast<float>(position.at(3 * node)),
+                         static_cast<float>(position.at(3 * node + 2))};
+      y += 0.25 * position.at(3 * node + 1);
+    }
+    if (std::abs(y - section.missile.y) <= 0.5 * slice) section.facets.push_back(facet);
+  }
+}
+
+}  // namespace
+
+std::optional<Section> RunData::section(double time) const {
+  if (frame_times.empty()) return std::nullopt;
+  const auto nearest = std::min_element(frame_times.begin(), frame_times.end(), [&](double a, double b) {
+    return std::abs(a - time) < std::abs(b - time);
+  });
+  const auto frame = static_cast<std::size_t>(nearest - frame_times.begin());
+  Section section;
+  section.time = *nearest;
+  try {
+    const h5::Group frames = h5::File::open(folder / "run.h5").root().open_group("frames");
+    section.missile = read_missile(frames, frame, scene);
+    if (frames.has("infill")) read_dots(frames.open_group("infill"), frame, section);
+    // Tufts stand a gauge apart: a slice of that thickness holds one row of them wherever the plane falls.
+    if (frames.has("carpet"))
+      read_facets(frames.open_group("carpet"), frame, scene ? scene->turf.carpet.gauge : 0.01, section);
+  } catch (const RunError&) {
+    return std::nullopt;
+  }
+  return section;
+}
+
+}  // namespace tuft::app

@@ -1,0 +1,121 @@
+/// Title, what was run, and the table of results.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "app/html.h"
+#include "app/number_format.h"
+#include "app/report_sections.h"
+
+namespace tuft::app {
+namespace {
+
+std::string state_badge(const rigs::RunSummary& summary) {
+  return fmt::format("<span class=\"state {0}\">{0}</span>", escape_html(summary.status));
+}
+
+std::string describe_rig(const Scene& scene) {
+  const CleggRig& clegg = scene.rig.clegg;
+  return fmt::format("Clegg hammer: {} kg, {} mm diameter, {} m/s at first contact",
+                     format_significant(clegg.mass, 4), format_significant(1e3 * clegg.diameter, 3),
+                     format_significant(clegg.speed, 3));
+}
+
+std::string describe_turf(const Scene& scene) {
+  std::string layers;
+  for (const Layer& layer : scene.turf.layers) {
+    if (!layers.empty()) layers += ", ";
+    layers += fmt::format("{} mm {}", format_significant(1e3 * layer.depth, 3),
+                          escape_html(scene.materials.at(static_cast<std::size_t>(layer.material)).name));
+  }
+  const CarpetDesign& carpet = scene.turf.carpet;
+  return fmt::format(
+      "{} × {} mm patch; infill from the bottom: {}; pile {} mm, gauge {} mm, stitch {} mm, {} strands a "
+      "tuft",
+      format_significant(1e3 * scene.turf.size[0], 3), format_significant(1e3 * scene.turf.size[1], 3),
+      layers, format_significant(1e3 * carpet.pile_length, 3), format_significant(1e3 * carpet.gauge, 3),
+      format_significant(1e3 * carpet.stitch_spacing, 3), carpet.strands_per_tuft);
+}
+
+std::string describe_states(const Runs& runs) {
+  std::string text;
+  for (const RunData& run : runs) {
+    text += fmt::format(
+        "<p class=\"run\"><b>{}</b> {} {} simulated to {} after release, in {}", escape_html(run.label),
+        state_badge(run.summary), run.summary.status == "completed" ? "" : "·",
+        format_quantity(run.summary.simulated_time, "s"), format_duration(run.summary.wall_s));
+    if (!run.summary.error.empty())
+      text += fmt::format("<br><span class=\"error\">{}</span>", escape_html(run.summary.error));
+    text += "</p>\n";
+  }
+  return text;
+}
+
+/// How a run compares with the first: only where there are exactly two.
+std::string difference(double first, double second) {
+  if (!std::isfinite(first) || !std::isfinite(second) || first == 0) return not_available;
+  const double relative = (second - first) / std::abs(first);
+  return fmt::format("{}{} %", relative < 0 ? "−" : "+", format_significant(std::abs(100 * relative), 2));
+}
+
+std::vector<std::string> result_row(const Runs& runs, const std::string& name, std::vector<double>& values) {
+  std::string unit;
+  double largest = 0;
+  for (const RunData& run : runs) {
+    const auto found = run.summary.results.find(name);
+    values.push_back(found == run.summary.results.end() ? std::nan("") : found->second.value);
+    if (found != run.summary.results.end()) unit = found->second.unit;
+    if (std::isfinite(values.back())) largest = std::max(largest, std::abs(values.back()));
+  }
+  const DisplayUnit shown = display_unit(unit, largest);
+  std::vector<std::string> row{
+      readable_name(name) + (shown.unit.empty() ? "" : fmt::format(" <i>[{}]</i>", escape_html(shown.unit)))};
+  for (const double value : values)
+    row.push_back(std::isfinite(value) ? format_significant(shown.factor * value, 3) : not_available);
+  return row;
+}
+
+}  // namespace
+
+std::string report_head(const Runs& runs) {
+  if (runs.empty()) return "<h1>No run</h1>\n";
+  const RunData& first = runs.front();
+  std::set<std::string> versions;
+  for (const RunData& run : runs) versions.insert(run.summary.version);
+  std::string text = fmt::format("<header>\n<h1>{}</h1>\n", escape_html(first.summary.scene_name));
+  if (first.scene) {
+    text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n<dt>Turf</dt><dd>{}</dd>\n",
+                        describe_rig(*first.scene), describe_turf(*first.scene));
+  } else {
+    text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n", escape_html(first.summary.rig));
+  }
+  std::string all;
+  for (const std::string& version : versions) all += (all.empty() ? "" : ", ") + version;
+  text += fmt::format("<dt>Program</dt><dd>tuft {}</dd>\n</dl>\n", escape_html(all));
+  return text + describe_states(runs) + "</header>\n";
+}
+
+std::string report_results(const Runs& runs) {
+  std::set<std::string> names;
+  for (const RunData& run : runs)
+    for (const auto& [name, quantity] : run.summary.results) names.insert(name);
+  if (names.empty())
+    return html_section("results", "Results",
+                        "<p class=\"missing\">No result was measured before the run ended.</p>\n");
+  const bool pair = runs.size() == 2;
+  HtmlTable table{"results-table", "", run_header("", runs), {}, false};
+  if (pair)
+    table.header.push_back(
+        fmt::format("{} against {}", escape_html(runs[1].label), escape_html(runs[0].label)));
+  for (const std::string& name : names) {
+    std::vector<double> values;
+    std::vector<std::string> row = result_row(runs, name, values);
+    if (pair) row.push_back(difference(values[0], values[1]));
+    table.rows.push_back(std::move(row));
+  }
+  return html_section("results", "Results", table.html());
+}
+
+}  // namespace tuft::app

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "app/number_format.h"
+#include "app/text_table.h"
+#include "app/verbs.h"
+#include "rigs/run.h"
+
+namespace tuft::app {
+namespace {
+
+std::string effects_table(const rigs::RunPlan& plan) {
+  TextTable table;
+  table.set_prose(2);
+  for (const EffectDecision& effect : plan.effects)
+    table.add({effect.name, effect.on ? "on" : "off", effect.why});
+  return table.text();
+}
+
+std::string sizes_table(const Scene& scene, const rigs::RunPlan& plan) {
+  TextTable table;
+  table.add({"patch", fmt::format("{} x {} mm", format_significant(1e3 * scene.turf.size[0], 4),
+                                  format_significant(1e3 * scene.turf.size[1], 4))});
+  table.add({"infill depth", format_quantity(scene.infill_depth(), "m")});
+  table.add({"particles", format_count(plan.particles)});
+  table.add({"shell elements", format_count(plan.shells)});
+  table.add({"shell nodes", format_count(plan.nodes)});
+  return table.text();
+}
+
+std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
+  TextTable table({"", "step", "steps a window"});
+  table.add({"coupling window", format_quantity(plan.window, "s"), "1"});
+  table.add({"carpet", format_quantity(plan.carpet_step, "s"),
+             format_count(static_cast<std::uint64_t>(plan.carpet_substeps))});
+  table.add({"infill", format_quantity(plan.infill_step, "s"),
+             format_count(static_cast<std::uint64_t>(plan.infill_substeps))});
+  return table.text() + fmt::format("  {} windows: {} of settling, then {} of the drop\n",
+                                    format_count(plan.windows),
+                                    format_quantity(scene.numerics.settle_time, "s"),
+                                    format_quantity(scene.info.duration, "s"));
+}
+
+int explain(const SceneArguments& arguments) {
+  const Scene scene = read_scene_arguments(arguments);
+  const rigs::RunPlan plan = rigs::plan(scene);
+  fmt::print("{} ({} infill)\n", scene.info.name, scene.infill.approach == Approach::sph ? "SPH" : "DEM");
+  fmt::print("\nEffects\n{}", effects_table(plan));
+  fmt::print("\nSizes\n{}", sizes_table(scene, plan));
+  fmt::print("\nSteps\n{}", steps_table(scene, plan));
+  TextTable cost;
+  cost.add({"wall time", format_duration(plan.predicted_wall_s)});
+  cost.add({"memory", format_bytes(plan.predicted_memory_bytes)});
+  fmt::print("\nPredicted, on this machine\n{}", cost.text());
+  if (!plan.remarks.empty()) fmt::print("\nRemarks\n");
+  for (const std::string& remark : plan.remarks) fmt::print("  {}\n", remark);
+  return 0;
+}
+
+}  // namespace
+
+void register_explain(CLI::App& program, Action& action) {
+  CLI::App* verb = program.add_subcommand(
+      "explain", "Which effects are on and why, sizes, steps, predicted time and memory");
+  auto arguments = std::make_shared<SceneArguments>();
+  add_scene_options(*verb, *arguments, true);
+  verb->callback([arguments, &action] { action = [arguments] { return explain(*arguments); }; });
+}
+
+}  // namespace tuft::app

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "app/execution.h"
+#include "app/stop_signal.h"
+#include "app/verbs.h"
+#include "core/error.h"
+#include "rigs/run_folder.h"
+
+namespace tuft::app {
+namespace {
+
+struct ResumeArguments {
+  std::string folder;
+  int threads = -1;
+  int stop_after_checkpoints = 0;
+};
+
+bool already_completed(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder / "summary.json", ignored) &&
+         rigs::read_summary(folder).status == "completed";
+}
+
+int resume(const ResumeArguments& arguments) {
+  rigs::RunRequest request;
+  request.folder = arguments.folder;
+  request.resume = true;
+  request.scene = rigs::read_run_scene(request.folder);
+  if (already_completed(request.folder)) {
+    fmt::print("{}: completed already, nothing to resume\n", arguments.folder);
+    return 0;
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(request.folder / "checkpoint.h5", ignored))
+    throw_input_error("{}: no checkpoint to resume from; run the scene again with another --out",
+                      arguments.folder);
+  if (arguments.threads >= 0) request.scene.numerics.threads = arguments.threads;
+  request.stop_after_checkpoints = arguments.stop_after_checkpoints;
+  const std::atomic<bool>& stop = catch_stop_signals();
+  request.stop = &stop;
+  rigs::RunSummary summary;
+  {
+    const AttendedRun attended(request, "");
+    summary = rigs::run(request);
+  }
+  return conclude_run(request.folder, summary, stop);
+}
+
+}  // namespace
+
+void register_resume(CLI::App& program, Action& action) {
+  CLI::App* verb = program.add_subcommand("resume", "Go on from a run's last checkpoint");
+  auto arguments = std::make_shared<ResumeArguments>();
+  verb->add_option("DIR", arguments->folder, "folder of the run")->required();
+  verb->add_option("--threads", arguments->threads, "number of threads; 0: all cores")
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("--stop-after-checkpoints", arguments->stop_after_checkpoints,
+                   "stop again after this many checkpoints")
+      ->check(CLI::PositiveNumber);
+  verb->callback([arguments, &action] { action = [arguments] { return resume(*arguments); }; });
+}
+
+}  // namespace tuft::app

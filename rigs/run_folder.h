@@ -1,0 +1,23 @@
+#pragma once
+/// The folder of one run: made, checked and described before anything is computed.
+#include <filesystem>
+#include <string>
+
+#include "core/scene.h"
+
+namespace tuft::rigs {
+
+/// Throws InputError, with what to do, unless a run may write here: the path is a folder that holds no run
+/// yet and can be written, or can be created. Nothing is left behind.
+void check_run_folder(const std::filesystem::path& folder);
+
+/// Checks the folder, creates it and writes `scene.toml`, the scene as resolved.
+void prepare_run_folder(const std::filesystem::path& folder, const Scene& scene);
+
+/// The scene of an existing run, from its `scene.toml`. Throws InputError when there is none.
+[[nodiscard]] Scene read_run_scene(const std::filesystem::path& folder);
+
+/// Writes a text file. Throws RunError naming the file and the reason when it cannot be written whole.
+void write_text_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace tuft::rigs
