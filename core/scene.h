@@ -1,7 +1,8 @@
 #pragma once
 /// The scene as plain structs, SI throughout: what a run is, decided once, before any state exists.
-/// `read_scene` (core/scene_reader.h) fills it from TOML, checks every key, unit and range, and resolves files
-/// named in it. Defaults here are the defaults of the scene language; `write_scene` writes all of them out.
+/// `read_scene` (core/scene_reader.h) fills it from TOML, checks every key, unit and range, and resolves
+/// files named in it. Defaults here are the defaults of the scene language; `write_scene` writes all of them
+/// out.
 #include <array>
 #include <map>
 #include <optional>
@@ -12,7 +13,8 @@
 
 namespace tuft {
 
-/// Piecewise linear curve; abscissa strictly increasing. What happens beyond the last point is the user's law.
+/// Piecewise linear curve; abscissa strictly increasing. What happens beyond the last point is the user's
+/// law.
 struct Curve {
   std::vector<double> x, y;
 };
@@ -33,46 +35,46 @@ struct ShellMaterial {
 
 /// Carpet as made (inputs/turfs/*.toml or inline under [turf.carpet]).
 struct CarpetDesign {
-  double gauge = 0;             ///< m between rows of tufts (y direction)
-  double stitch_spacing = 0;    ///< m between tufts along a row (x direction)
-  int strands_per_tuft = 0;     ///< >= 1
-  double pile_length = 0;       ///< m, strand length from the backing
-  double strand_width = 0;      ///< m
-  double strand_thickness = 0;  ///< m
-  double lean = 0;              ///< rad, mean tilt of a strand from the vertical
-  double fan_out = 0;           ///< rad, standard deviation of the tilt within a tuft (seeded)
-  double element_length = 0;    ///< m, along the strand; rounded to a whole number of elements
-  double backing_thickness = 0; ///< m
-  double backing_element = 0;   ///< m, largest element side of the backing
+  double gauge = 0;              ///< m between rows of tufts (y direction)
+  double stitch_spacing = 0;     ///< m between tufts along a row (x direction)
+  int strands_per_tuft = 0;      ///< >= 1
+  double pile_length = 0;        ///< m, strand length from the backing
+  double strand_width = 0;       ///< m
+  double strand_thickness = 0;   ///< m
+  double lean = 0;               ///< rad, mean tilt of a strand from the vertical
+  double fan_out = 0;            ///< rad, standard deviation of the tilt within a tuft (seeded)
+  double element_length = 0;     ///< m, along the strand; rounded to a whole number of elements
+  double backing_thickness = 0;  ///< m
+  double backing_element = 0;    ///< m, largest element side of the backing
   ShellMaterial fibre, backing;
   double hourglass_coefficient = 0.05;  ///< Flanagan-Belytschko type, [0, 0.2]
-  double damping = 0;                   ///< 1/s, mass-proportional damping of the carpet during the drop, >= 0
-  FrictionLaw body_friction;            ///< of fibres and backing against rig bodies and the tray
-  double contact_restitution = 0.5;     ///< (0, 1], of carpet nodes on rig bodies and the tray
+  double damping = 0;                ///< 1/s, mass-proportional damping of the carpet during the drop, >= 0
+  FrictionLaw body_friction;         ///< of fibres and backing against rig bodies and the tray
+  double contact_restitution = 0.5;  ///< (0, 1], of carpet nodes on rig bodies and the tray
 };
 
 /// Infill as a continuum: soil and foam (PHYSICS: Krieg; LS-DYNA MAT_005). Compression positive here.
 struct SoilFoamMaterial {
-  double density = 0;           ///< kg/m^3 in bulk as placed (reference state, zero strain)
-  Curve pressure;               ///< x: compressive volumetric strain ln(rho/rho0) from 0; y: Pa from 0, rising
-  Curve unloading;              ///< x: pressure, Pa; y: bulk modulus for unloading and reloading, Pa
-  double shear_ratio = 0.5;     ///< G / K_unloading, > 0
-  double yield_a0 = 0;          ///< Pa^2: J2 <= a0 + a1 p + a2 p^2
-  double yield_a1 = 0;          ///< Pa
-  double yield_a2 = 0;          ///< -
-  double tension_cutoff = 0;    ///< Pa, >= 0: p >= -tension_cutoff, where the deviator is zeroed too
+  double density = 0;         ///< kg/m^3 in bulk as placed (reference state, zero strain)
+  Curve pressure;             ///< x: compressive volumetric strain ln(rho/rho0) from 0; y: Pa from 0, rising
+  Curve unloading;            ///< x: pressure, Pa; y: bulk modulus for unloading and reloading, Pa
+  double shear_ratio = 0.5;   ///< G / K_unloading, > 0
+  double yield_a0 = 0;        ///< Pa^2: J2 <= a0 + a1 p + a2 p^2
+  double yield_a1 = 0;        ///< Pa
+  double yield_a2 = 0;        ///< -
+  double tension_cutoff = 0;  ///< Pa, >= 0: p >= -tension_cutoff, where the deviator is zeroed too
 };
 
 /// One kind of grain.
 struct GrainMaterial {
-  double density = 0;            ///< kg/m^3, of the solid
-  double young_modulus = 0;      ///< Pa
-  double poisson_ratio = 0;      ///< (0, 0.5)
-  double restitution = 0;        ///< (0, 1]
-  double friction = 0;           ///< sliding, with its own kind
-  double rolling_friction = 0;   ///< epsd2 coefficient
-  double diameter_min = 0;       ///< m, true size, before coarse graining; uniform in number between the two
-  double diameter_max = 0;       ///< m
+  double density = 0;           ///< kg/m^3, of the solid
+  double young_modulus = 0;     ///< Pa
+  double poisson_ratio = 0;     ///< (0, 0.5)
+  double restitution = 0;       ///< (0, 1]
+  double friction = 0;          ///< sliding, with its own kind
+  double rolling_friction = 0;  ///< epsd2 coefficient
+  double diameter_min = 0;      ///< m, true size, before coarse graining; uniform in number between the two
+  double diameter_max = 0;      ///< m
 };
 
 /// Share of a grain material in a layer's mass (a mixture has two, a pure material one: itself).
@@ -84,16 +86,16 @@ struct GrainShare {
 /// A material of inputs/materials/<name>.toml. Blocks it lacks are empty; a scene that needs one says so.
 struct Material {
   std::string name;
-  std::string file;                        ///< where it was read from, for messages
+  std::string file;  ///< where it was read from, for messages
   std::optional<SoilFoamMaterial> continuum;
   std::optional<GrainMaterial> grain;
-  std::vector<GrainShare> grain_shares;    ///< what a layer of it is made of in DEM; empty: not usable in DEM
-  double bulk_density = 0;                 ///< kg/m^3 as placed: mass of a layer for both approaches
-  FrictionLaw fibre_friction;              ///< against fibres and backing
-  FrictionLaw body_friction;               ///< against rig bodies and the tray
-  double contact_modulus = 0;              ///< Pa; 0: constrained modulus at numerics.contact_pressure (SPH),
-                                           ///< effective Young's modulus (DEM)
-  double contact_restitution = 0.5;        ///< (0, 1], normal damping of contact with carpet and bodies
+  std::vector<GrainShare> grain_shares;  ///< what a layer of it is made of in DEM; empty: not usable in DEM
+  double bulk_density = 0;               ///< kg/m^3 as placed: mass of a layer for both approaches
+  FrictionLaw fibre_friction;            ///< against fibres and backing
+  FrictionLaw body_friction;             ///< against rig bodies and the tray
+  double contact_modulus = 0;            ///< Pa; 0: constrained modulus at numerics.contact_pressure (SPH),
+                                         ///< effective Young's modulus (DEM)
+  double contact_restitution = 0.5;      ///< (0, 1], normal damping of contact with carpet and bodies
 };
 
 struct SceneInfo {
@@ -107,23 +109,23 @@ struct Layer {
 };
 
 struct Turf {
-  std::string design;             ///< file the carpet came from; empty: inline
+  std::string design;  ///< file the carpet came from; empty: inline
   CarpetDesign carpet;
-  std::array<double, 2> size{};   ///< m, x and y of the patch
-  double tray_depth = 0;          ///< m, height of the tray's walls; default: sum of layers + 20 mm
-  std::vector<Layer> layers;      ///< bottom to top
+  std::array<double, 2> size{};  ///< m, x and y of the patch
+  double tray_depth = 0;         ///< m, height of the tray's walls; default: sum of layers + 20 mm
+  std::vector<Layer> layers;     ///< bottom to top
 };
 
 enum class Approach { sph, dem };
 enum class Kernel { cubic_spline, wendland_c2 };
 
 struct SphOptions {
-  std::string preset = "accurate";     ///< accurate | paper | custom
-  double pitch = 0.002;                ///< m, lattice spacing
-  double smoothing_length = 0;         ///< m; set by the preset unless given
+  std::string preset = "accurate";  ///< accurate | paper | custom
+  double pitch = 0.002;             ///< m, lattice spacing
+  double smoothing_length = 0;      ///< m; set by the preset unless given
   Kernel kernel = Kernel::wendland_c2;
-  double viscosity_linear = 0.3;       ///< artificial viscosity, Monaghan alpha
-  double viscosity_quadratic = 0.6;    ///< Monaghan beta
+  double viscosity_linear = 0.3;     ///< artificial viscosity, Monaghan alpha
+  double viscosity_quadratic = 0.6;  ///< Monaghan beta
 };
 
 struct GrainPairFriction {
@@ -132,12 +134,12 @@ struct GrainPairFriction {
 };
 
 struct DemOptions {
-  double coarse_graining = 1;          ///< >= 1, scales diameters; E, mu and e kept
+  double coarse_graining = 1;                              ///< >= 1, scales diameters; E, mu and e kept
   std::map<std::string, double> material_coarse_graining;  ///< own factor for a grain material, by name
   std::vector<GrainPairFriction> pairs;  ///< friction of unlike pairs; default: mean of the two
-  std::string host;                    ///< path of liggghts_host; empty: beside the program
-  double answer_timeout = 30;          ///< s without an answer until the host counts as hung
-  double settle_time = 0.0105;         ///< s of packing dynamics, after the geometric packing
+  std::string host;                      ///< path of liggghts_host; empty: beside the program
+  double answer_timeout = 30;            ///< s without an answer until the host counts as hung
+  double settle_time = 0.0105;           ///< s of packing dynamics, after the geometric packing
   bool use_cache = true;
 };
 
@@ -153,13 +155,13 @@ struct Conditioning {
 
 /// Clegg impact tester: a rigid flat-ended cylinder with one degree of freedom, falling free.
 struct CleggRig {
-  double mass = 2.25;            ///< kg
-  double diameter = 0.050;       ///< m
-  double height = 0.1467;        ///< m
-  double speed = 2.85;           ///< m/s at first contact
+  double mass = 2.25;                    ///< kg
+  double diameter = 0.050;               ///< m
+  double height = 0.1467;                ///< m
+  double speed = 2.85;                   ///< m/s at first contact
   std::array<double, 2> position{0, 0};  ///< m, axis in x and y relative to the middle of the patch
-  double filter_cutoff = 1000;   ///< Hz, low-pass of the acceleration
-  double touch_force = 5;        ///< N, force that starts the clock of first contact
+  double filter_cutoff = 1000;           ///< Hz, low-pass of the acceleration
+  double touch_force = 5;                ///< N, force that starts the clock of first contact
 };
 
 struct Rig {
@@ -179,25 +181,26 @@ struct Numerics {
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch
-  double shell_contact_radius = 0.5;     ///< (0, 1]: contact radius of SPH particles at shells over half their diameter
-  double contact_release_time = 0.002;   ///< s, over which initial overlap is let go
-  double settle_time = 0.01;         ///< s of gravity settling before the rig is released
-  double settle_damping = 400;       ///< 1/s, mass-proportional, while settling
+  double shell_contact_radius =
+      0.5;  ///< (0, 1]: contact radius of SPH particles at shells over half their diameter
+  double contact_release_time = 0.002;  ///< s, over which initial overlap is let go
+  double settle_time = 0.01;            ///< s of gravity settling before the rig is released
+  double settle_damping = 400;          ///< 1/s, mass-proportional, while settling
   std::uint64_t seed = 1;
-  int threads = 0;                   ///< 0: all cores
+  int threads = 0;  ///< 0: all cores
 };
 
 struct Output {
-  double frames = 0.0005;            ///< s between frames
-  double histories = 0.00002;        ///< s between history rows (raw acceleration is kept at this rate)
-  double checkpoint_every = 0.01;    ///< s between checkpoints; 0: only at the end and on interruption
+  double frames = 0.0005;          ///< s between frames
+  double histories = 0.00002;      ///< s between history rows (raw acceleration is kept at this rate)
+  double checkpoint_every = 0.01;  ///< s between checkpoints; 0: only at the end and on interruption
 };
 
 struct Scene {
   std::string file;  ///< as given by the user, for messages
   SceneInfo info;
   Turf turf;
-  std::vector<Material> materials;   ///< all that layers name, and the components of mixtures
+  std::vector<Material> materials;  ///< all that layers name, and the components of mixtures
   InfillChoice infill;
   Conditioning conditioning;
   Rig rig;
@@ -219,8 +222,9 @@ struct EffectDecision {
   std::string why;
 };
 
-/// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate (velocity-dependent
-/// friction), artificial_viscosity, tension_cutoff, rolling_resistance, overlap_release, contact_damping.
+/// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
+/// (velocity-dependent friction), artificial_viscosity, tension_cutoff, rolling_resistance, overlap_release,
+/// contact_damping.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 [[nodiscard]] bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name);
 

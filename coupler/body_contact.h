@@ -1,0 +1,68 @@
+#pragma once
+/// Contact of points with a radius (infill particles, or carpet nodes with half a thickness) with rigid
+/// bodies.
+#include <span>
+#include <vector>
+
+#include "core/infill.h"
+#include "coupler/contact_pairs.h"
+#include "coupler/rigid_body.h"
+
+namespace tuft::coupler {
+
+struct BodyContactSettings {
+  std::vector<double> stiffness;      ///< N/m, per point
+  std::vector<double> damping_ratio;  ///< per point
+  std::vector<FrictionLaw> friction;  ///< per point, against bodies
+};
+
+/// Impulses on bodies and their tally, one entry a body.
+struct BodyImpulses {
+  std::vector<Vec3> impulse;  ///< N s
+};
+
+class BodyContact {
+ public:
+  explicit BodyContact(BodyContactSettings settings) : settings_(std::move(settings)) {}
+
+  /// Pairs closer than touching + skin; points with skip[i] != 0 take no part (skip may be empty).
+  void search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
+              bool keep_overlap, std::span<const std::uint8_t> skip = {});
+
+  /// One substep with points where they stand and bodies moved along their velocity by `ahead` (s). Adds
+  /// `weight` times the force (N) to `linear` (weight 1: forces, weight dt: impulses), impulses about the
+  /// points' centres (N m s) to `angular` when it is not null, and impulses on bodies.
+  void evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead, double dt,
+                double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
+                BodyImpulses& on_bodies);
+
+  [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
+  [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
+  [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
+  /// Largest stiffness over mass of the points, 1/s^2: bounds the step together with the points' own
+  /// stiffness.
+  [[nodiscard]] double largest_frequency_squared(std::span<const double> mass) const;
+
+  void save(h5::Group& group) const;
+  void load(const h5::Group& group);
+
+ private:
+  struct Result {
+    ContactForce contact;
+    Vec3 arm{0, 0, 0};
+    double released = 0;
+    bool touching = false;
+  };
+  Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
+                       double ahead, double dt, double release, double release_before);
+
+  BodyContactSettings settings_;
+  std::vector<PairKey> keys_;
+  std::vector<ContactHistory> histories_;
+  std::vector<Result> results_;
+  ContactEnergy energy_;
+  InitialOverlap initial_overlap_;
+  bool searched_ = false;
+};
+
+}  // namespace tuft::coupler

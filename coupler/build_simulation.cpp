@@ -1,0 +1,180 @@
+#include "coupler/build_simulation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "coupler/settled_packing.h"
+#include "sph_infill/sph_infill.h"
+
+namespace tuft::coupler {
+namespace {
+
+const Vec3 gravity(0, 0, -9.81);
+
+/// What a friction law comes to when its dependence on speed is switched off: the value of fast sliding.
+FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
+  return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
+}
+
+std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects) {
+  const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
+  const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
+  const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
+                                  effect_on(effects, "tension_cutoff")};
+  return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
+}
+
+std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                          const dem::Grains& grains) {
+  dem::DemSettings settings;
+  settings.options = scene.infill.dem;
+  settings.gravity = gravity;
+  settings.rolling_resistance = effect_on(effects, "rolling_resistance");
+  const double x = 0.5 * scene.turf.size[0], y = 0.5 * scene.turf.size[1];
+  // Room for grains that are thrown up; one that leaves it has left the turf.
+  const double height = std::max(2 * scene.turf.tray_depth, 4 * scene.infill_depth());
+  const double margin = 0.02;
+  settings.box = {Vec3(-x - margin, -y - margin, -margin), Vec3(x + margin, y + margin, height)};
+  return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
+}
+
+struct PointContact {
+  std::vector<double> stiffness, damping_ratio;
+  std::vector<FrictionLaw> fibre_friction, body_friction;
+};
+
+PointContact particle_contact(const Scene& scene, const std::vector<EffectDecision>& effects,
+                              const ParticleView& particles) {
+  const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
+  PointContact result;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Material& material = scene.materials[particles.material[i]];
+    const double radius = particles.radius[i];
+    result.stiffness.push_back(scene.infill.approach == Approach::sph
+                                   ? sph_contact_stiffness(material, scene.numerics, radius)
+                                   : dem_contact_stiffness(material, radius));
+    result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+    result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
+    result.body_friction.push_back(friction_of(material.body_friction, with_rate));
+  }
+  return result;
+}
+
+/// Half the thickness of the thickest shell at each node.
+std::vector<double> node_radii(const fe::ShellMesh& mesh) {
+  std::vector<double> radius(mesh.nodes.size(), 0);
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    for (const Index node : mesh.quads[e]) radius[node] = std::max(radius[node], 0.5 * mesh.thickness[e]);
+  return radius;
+}
+
+double smallest(std::span<const double> values) {
+  return *std::min_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius) {
+  const double modulus = material.contact_modulus > 0
+                             ? material.contact_modulus
+                             : sph::constrained_modulus(*material.continuum, numerics.contact_pressure);
+  return numerics.contact_stiffness_factor * modulus * 2 * radius;
+}
+
+double dem_contact_stiffness(const Material& material, double radius) {
+  if (material.contact_modulus > 0) return material.contact_modulus * radius;
+  const GrainMaterial& grain = *material.grain;
+  return grain.young_modulus / (1 - grain.poisson_ratio * grain.poisson_ratio) * radius;
+}
+
+std::vector<RigidBody> tray(std::array<double, 2> size) {
+  const auto wall = [](std::string name, const Vec3& position, const Vec3& normal) {
+    RigidBody body;
+    body.name = std::move(name);
+    body.shape = HalfSpace{normal};
+    body.position = position;
+    return body;
+  };
+  const double x = 0.5 * size[0], y = 0.5 * size[1];
+  return {wall("floor", Vec3(0, 0, 0), Vec3(0, 0, 1)), wall("wall_x_low", Vec3(-x, 0, 0), Vec3(1, 0, 0)),
+          wall("wall_x_high", Vec3(x, 0, 0), Vec3(-1, 0, 0)),
+          wall("wall_y_low", Vec3(0, -y, 0), Vec3(0, 1, 0)),
+          wall("wall_y_high", Vec3(0, y, 0), Vec3(0, -1, 0))};
+}
+
+fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres) {
+  return fe::generate_carpet(scene.turf.carpet, scene.turf.size, scene.numerics.seed, with_fibres);
+}
+
+BuiltSimulation build_simulation(const BuildRequest& request) {
+  const Scene& scene = *request.scene;
+  BuiltSimulation built;
+  SimulationParts parts;
+  fe::ShellMesh mesh = build_carpet_mesh(scene, effect_on(request.effects, "fibres"));
+  parts.node_radius = node_radii(mesh);
+  fe::CarpetOptions options;
+  options.hourglass_coefficient = scene.turf.carpet.hourglass_coefficient;
+  options.damping = scene.turf.carpet.damping;
+  options.gravity = gravity;
+
+  if (scene.infill.approach == Approach::sph) {
+    parts.infill = build_sph(scene, request.effects);
+    // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
+    // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
+    parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
+  } else {
+    dem::Grains settled;
+    if (request.grains != nullptr) {
+      settled = *request.grains;
+    } else {
+      const auto start = std::chrono::steady_clock::now();
+      settled = settle_grains(scene, request.effects, mesh, built.packing_from_cache, request.on_progress);
+      built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    auto dem = build_dem(scene, request.effects, settled);
+    built.dem = dem.get();
+    parts.infill = std::move(dem);
+  }
+  const std::size_t nodes = mesh.nodes.size();
+  parts.carpet = std::make_unique<fe::Carpet>(
+      std::move(mesh), std::vector<ShellMaterial>{scene.turf.carpet.backing, scene.turf.carpet.fibre},
+      options);
+  parts.bodies = tray(scene.turf.size);
+  built.first_rig_body = parts.bodies.size();
+  parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
+
+  const ParticleView particles = parts.infill->particles();
+  const PointContact contact = particle_contact(scene, request.effects, particles);
+  parts.particle_shell.stiffness = contact.stiffness;
+  parts.particle_shell.damping_ratio = contact.damping_ratio;
+  parts.particle_shell.friction = contact.fibre_friction;
+  parts.particle_body = {contact.stiffness, contact.damping_ratio, contact.body_friction};
+
+  const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
+  for (const double k : node_stiffness)
+    parts.node_body.stiffness.push_back(parts.particle_shell.shell_share * k);
+  const double restitution = scene.turf.carpet.contact_restitution;
+  parts.node_body.damping_ratio.assign(
+      nodes, effect_on(request.effects, "contact_damping") ? damping_ratio_of_restitution(restitution) : 0);
+  parts.node_body.friction.assign(
+      nodes, friction_of(scene.turf.carpet.body_friction, effect_on(request.effects, "friction_rate")));
+
+  parts.gravity = gravity;
+  parts.numerics = scene.numerics;
+  parts.skin = 0.5 * smallest(particles.radius);
+  if (scene.infill.approach == Approach::dem) {
+    // The smallest grain of a wide mixture would make the list short-lived: take the mean.
+    double sum = 0;
+    for (const double r : particles.radius) sum += r;
+    parts.skin = 0.5 * sum / static_cast<double>(particles.size());
+  }
+  parts.energy_scale = request.energy_scale;
+  parts.release_overlap = effect_on(request.effects, "overlap_release");
+  parts.time = -scene.numerics.settle_time;
+  built.simulation = std::make_unique<Simulation>(std::move(parts));
+  return built;
+}
+
+}  // namespace tuft::coupler

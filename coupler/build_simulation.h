@@ -1,0 +1,48 @@
+#pragma once
+/// From a checked scene to a simulation: carpet, infill of the approach asked for, tray, contact.
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "coupler/simulation.h"
+#include "dem_bridge/dem_infill.h"
+
+namespace tuft::coupler {
+
+struct BuildRequest {
+  const Scene* scene = nullptr;
+  std::vector<EffectDecision> effects;
+  std::vector<RigidBody> rig_bodies;  ///< appended to the tray's
+  double energy_scale = 0;            ///< J
+  /// Grains at rest, for DEM; empty: they are packed and settled (or taken from the cache).
+  const dem::Grains* grains = nullptr;
+  std::function<void(const std::string& stage, double done)> on_progress;  ///< while packing; done in [0, 1]
+};
+
+struct BuiltSimulation {
+  std::unique_ptr<Simulation> simulation;
+  const dem::DemInfill* dem = nullptr;  ///< the simulation's infill when it is DEM
+  std::size_t first_rig_body = 0;
+  double packing_seconds = 0;
+  bool packing_from_cache = false;
+};
+
+/// Throws InputError for a scene that cannot be built, RunError when the host fails.
+[[nodiscard]] BuiltSimulation build_simulation(const BuildRequest& request);
+
+/// The carpet's mesh for a scene, fibres by the effect.
+[[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres);
+
+/// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
+/// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;
+/// DEM: E/(1 - nu^2) x radius, the secant of a Hertz contact pressed in by about half a radius.
+[[nodiscard]] double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius);
+[[nodiscard]] double dem_contact_stiffness(const Material& material, double radius);
+
+/// Five fixed half-spaces: floor at z = 0 and four walls around a patch centred on the origin.
+[[nodiscard]] std::vector<RigidBody> tray(std::array<double, 2> size);
+
+}  // namespace tuft::coupler

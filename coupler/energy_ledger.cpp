@@ -1,0 +1,59 @@
+#include "coupler/energy_ledger.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+
+namespace tuft::coupler {
+
+void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::string& fastest) {
+  const auto values = terms.values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i]))
+      throw_run_error("energy term {} is not finite at t = {:.6g} s; {}; reduce numerics.step_safety",
+                      EnergyTerms::names[i], time, fastest);
+  }
+  if (!started_) {
+    reference_ = terms.balance();
+    started_ = true;
+  }
+  scale_ = std::max(scale_, terms.kinetic_carpet + terms.kinetic_infill + terms.kinetic_bodies +
+                                terms.strain_carpet + terms.stored_infill + terms.contact_elastic);
+  const auto before = last_.values();
+  last_ = terms;
+  error_ = scale_ > 0 ? (terms.balance() - reference_) / scale_ : 0;
+  largest_error_ = std::max(largest_error_, std::abs(error_));
+  if (std::abs(error_) <= limit_) return;
+  std::size_t risen = 0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (std::abs(values[i] - before[i]) > std::abs(values[risen] - before[risen])) risen = i;
+  throw_run_error(
+      "energy error {:.3g} % passes numerics.energy_error_limit ({:.3g} %) at t = {:.6g} s: term {} changed "
+      "most ({:+.4g} J "
+      "to {:.4g} J); {}; reduce numerics.step_safety or look at the frames",
+      100 * error_, 100 * limit_, time, EnergyTerms::names[risen], values[risen] - before[risen],
+      values[risen], fastest);
+}
+
+void EnergyLedger::save(h5::Group& group) const {
+  const auto values = last_.values();
+  group.write("last", std::span<const double>(values));
+  const std::vector<double> state{scale_, reference_, error_, largest_error_, started_ ? 1.0 : 0.0};
+  group.write("state", std::span<const double>(state));
+}
+
+void EnergyLedger::load(const h5::Group& group) {
+  const std::vector<double> v = group.read_doubles("last");
+  last_ = {v.at(0), v.at(1), v.at(2), v.at(3),  v.at(4),  v.at(5), v.at(6),
+           v.at(7), v.at(8), v.at(9), v.at(10), v.at(11), v.at(12)};
+  const std::vector<double> s = group.read_doubles("state");
+  scale_ = s.at(0);
+  reference_ = s.at(1);
+  error_ = s.at(2);
+  largest_error_ = s.at(3);
+  started_ = s.at(4) != 0;
+}
+
+}  // namespace tuft::coupler

@@ -1,0 +1,136 @@
+#include "coupler/recorder.h"
+
+#include <chrono>
+#include <utility>
+
+namespace tuft::coupler {
+namespace {
+
+std::vector<double> interleave(std::span<const double> x, std::span<const double> y,
+                               std::span<const double> z) {
+  std::vector<double> flat(3 * x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    flat[3 * i] = x[i];
+    flat[3 * i + 1] = y[i];
+    flat[3 * i + 2] = z[i];
+  }
+  return flat;
+}
+
+std::vector<Channel> declare_channels(const Simulation& simulation,
+                                      const std::vector<RecordedColumn>& columns,
+                                      const std::vector<RecordedColumn>& finished) {
+  const std::uint64_t particles = simulation.infill().particles().size();
+  const std::uint64_t nodes = simulation.carpet().nodes().x.size();
+  std::vector<Channel> channels{{"/history/time", "s", {}, false},
+                                {"/energy/time", "s", {}, false},
+                                {"/frames/time", "s", {}, false},
+                                {"/cost/time", "s", {}, false}};
+  for (const RecordedColumn& c : columns) channels.push_back({"/history/" + c.name, c.unit, {}, false});
+  for (const RecordedColumn& c : finished) channels.push_back({"/history/" + c.name, c.unit, {}, false});
+  for (const auto name : EnergyTerms::names)
+    channels.push_back({"/energy/" + std::string(name), "J", {}, false});
+  channels.push_back({"/energy/error", "1", {}, false});
+  for (const auto name : phase_names) channels.push_back({"/cost/" + std::string(name), "s", {}, false});
+  channels.push_back({"/frames/infill/position", "m", {particles, 3}, true});
+  channels.push_back({"/frames/infill/velocity", "m/s", {particles, 3}, true});
+  for (const auto& field : simulation.infill().fields())
+    channels.push_back({"/frames/infill/" + field.name, field.unit, {particles}, true});
+  channels.push_back({"/frames/carpet/position", "m", {nodes, 3}, true});
+  for (const RigidBody& body : simulation.bodies())
+    if (!body.is_fixed()) channels.push_back({"/frames/bodies/" + body.name + "/position", "m", {3}, false});
+  return channels;
+}
+
+void write_static(h5::Group& root, const Simulation& simulation, const std::string& scene_text,
+                  const std::string& version) {
+  root.set_attribute("version", version);
+  root.set_attribute("approach", simulation.infill().approach());
+  root.write_string("scene", scene_text);
+  const ParticleView p = simulation.infill().particles();
+  auto frames = root.open_group("frames");
+  auto infill = frames.open_group("infill");
+  infill.write("radius", p.radius);
+  infill.set_attribute("unit", "m", "radius");
+  infill.write("layer", p.layer);
+  infill.write("material", p.material);
+  const fe::ShellMesh& mesh = simulation.carpet().mesh();
+  std::vector<std::int32_t> quads;
+  quads.reserve(4 * mesh.quads.size());
+  for (const auto& quad : mesh.quads) quads.insert(quads.end(), quad.begin(), quad.end());
+  auto carpet = frames.open_group("carpet");
+  carpet.write("quads", std::span<const std::int32_t>(quads), {mesh.quads.size(), 4});
+  carpet.write("surface", std::span<const std::int32_t>(mesh.surface));
+  carpet.write("thickness", std::span<const double>(mesh.thickness));
+  carpet.set_attribute("unit", "m", "thickness");
+  for (const RigidBody& body : simulation.bodies()) {
+    if (body.is_fixed()) continue;
+    auto group = frames.open_group("bodies").open_group(body.name);
+    if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
+      group.write_scalar("radius", cylinder->radius);
+      group.write_scalar("height", cylinder->height);
+    }
+  }
+}
+
+}  // namespace
+
+Recorder Recorder::create(const std::filesystem::path& path, const Simulation& simulation,
+                          const std::string& scene_text, const std::string& version,
+                          const std::vector<RecordedColumn>& columns,
+                          const std::vector<RecordedColumn>& finished) {
+  return {RecordFile::create(path, declare_channels(simulation, columns, finished),
+                             [&](h5::Group& root) { write_static(root, simulation, scene_text, version); }),
+          columns};
+}
+
+Recorder Recorder::reopen(const std::filesystem::path& path, const Simulation&,
+                          const std::map<std::string, std::uint64_t>& rows,
+                          const std::vector<RecordedColumn>& columns) {
+  return {RecordFile::reopen(path, rows), columns};
+}
+
+void Recorder::record_history(double time, const std::vector<double>& row, const EnergyLedger& ledger) {
+  file_.append("/history/time", time);
+  for (std::size_t c = 0; c < columns_.size(); ++c) file_.append("/history/" + columns_[c].name, row.at(c));
+  file_.append("/energy/time", time);
+  const auto values = ledger.last().values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    file_.append("/energy/" + std::string(EnergyTerms::names[i]), values[i]);
+  file_.append("/energy/error", ledger.error());
+}
+
+void Recorder::record_frame(double time, const Simulation& simulation) {
+  const ParticleView p = simulation.infill().particles();
+  file_.append("/frames/time", time);
+  file_.append("/frames/infill/position", interleave(p.x, p.y, p.z));
+  file_.append("/frames/infill/velocity", interleave(p.vx, p.vy, p.vz));
+  for (const auto& field : simulation.infill().fields())
+    file_.append("/frames/infill/" + field.name, field.values);
+  const fe::NodeView n = simulation.carpet().nodes();
+  file_.append("/frames/carpet/position", interleave(n.x, n.y, n.z));
+  for (const RigidBody& body : simulation.bodies())
+    if (!body.is_fixed())
+      file_.append("/frames/bodies/" + body.name + "/position",
+                   std::span<const double>(body.position.data(), 3));
+}
+
+void Recorder::record_cost(double time, const std::map<std::string, double>& cost) {
+  file_.append("/cost/time", time);
+  for (const auto name : phase_names) file_.append("/cost/" + std::string(name), cost.at(std::string(name)));
+}
+
+void Recorder::record_finished(const std::string& name, const std::vector<double>& values) {
+  for (const double value : values) file_.append("/history/" + name, value);
+}
+
+void Recorder::flush_when_due() {
+  constexpr std::size_t most_bytes = 8 << 20;
+  constexpr std::chrono::seconds longest_wait(2);
+  const auto now = std::chrono::steady_clock::now();
+  if (file_.buffered_bytes() < most_bytes && now - last_flush_ < longest_wait) return;
+  file_.flush();
+  last_flush_ = now;
+}
+
+}  // namespace tuft::coupler

@@ -1,0 +1,268 @@
+#include "coupler/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace tuft::coupler {
+namespace {
+
+double largest_displacement_squared(std::span<const double> x, std::span<const double> y,
+                                    std::span<const double> z, const Vec3Array& from) {
+  double largest = 0;
+#pragma omp parallel for simd schedule(static) reduction(max : largest) if (x.size() > 4096)
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double dx = x[i] - from.x[i], dy = y[i] - from.y[i], dz = z[i] - from.z[i];
+    largest = std::max(largest, dx * dx + dy * dy + dz * dz);
+  }
+  return largest;
+}
+
+Vec3 carpet_impulse(const fe::Carpet& carpet) {
+  return carpet.impulse_received() + carpet.impulse_to_clamps();
+}
+
+void zero(Vec3Array& values) {
+  std::fill(values.x.begin(), values.x.end(), 0.0);
+  std::fill(values.y.begin(), values.y.end(), 0.0);
+  std::fill(values.z.begin(), values.z.end(), 0.0);
+}
+
+}  // namespace
+
+Simulation::Simulation(SimulationParts parts)
+    : parts_(std::move(parts)),
+      particle_shell_(parts_.carpet->mesh(), parts_.carpet->node_contact_stiffness(),
+                      parts_.carpet->nodes().mass, parts_.particle_shell),
+      particle_body_(parts_.particle_body),
+      node_body_(parts_.node_body),
+      ledger_(parts_.numerics.energy_error_limit, parts_.energy_scale),
+      time_(parts_.time),
+      start_time_(parts_.time) {
+  const std::size_t particles = parts_.infill->particles().size();
+  node_force_.assign(parts_.carpet->nodes().x.size(), 0.0);
+  impulses_.linear.assign(particles, 0.0);
+  impulses_.angular.assign(particles, 0.0);
+  body_impulses_.impulse.assign(parts_.bodies.size(), Vec3::Zero());
+  interval_impulse_.assign(parts_.bodies.size(), Vec3::Zero());
+  for (const RigidBody& body : parts_.bodies)
+    if (!body.is_fixed() && body.present) body_kinetic_ += 0.5 * body.mass * body.velocity.squaredNorm();
+}
+
+void Simulation::set_damping(double carpet, double infill) {
+  parts_.carpet->set_damping(carpet);
+  parts_.infill->set_damping(infill);
+}
+
+void Simulation::release_body(std::size_t index, const Vec3& position, const Vec3& velocity) {
+  RigidBody& body = parts_.bodies.at(index);
+  if (body.present) throw_run_error("body {} is already in the simulation", body.name);
+  body.position = position;
+  body.velocity = velocity;
+  body.present = true;
+  const double kinetic = 0.5 * body.mass * velocity.squaredNorm();
+  const double potential = -body.mass * parts_.gravity.dot(position);
+  body_kinetic_ += kinetic;
+  body_potential_ += potential;
+  external_work_ += kinetic + potential;
+  reference_.valid = false;
+}
+
+StableSteps Simulation::stable_steps() const {
+  const ParticleView particles = parts_.infill->particles();
+  const double contact = particle_body_.largest_frequency_squared(particles.mass);
+  return {parts_.carpet->stable_step(), parts_.infill->stable_step(), 2.0 / std::sqrt(contact)};
+}
+
+void Simulation::advance_interval(double interval) {
+  plan_ = plan_steps(stable_steps(), parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
+  std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
+  const double start = time_;
+  for (int w = 0; w < plan_.windows; ++w) {
+    time_ = start + w * plan_.window;
+    advance_window();
+  }
+  time_ = start + interval;
+  const ScopedPhase phase(timers_, Phase::ledger);
+  ledger_.enter(time_, energy_terms(), describe_fastest());
+}
+
+double Simulation::release_at(double time) const {
+  if (!parts_.release_overlap || parts_.numerics.contact_release_time <= 0) return 0;
+  return std::clamp(1 - (time - start_time_) / parts_.numerics.contact_release_time, 0.0, 1.0);
+}
+
+void Simulation::advance_window() {
+  zero(impulses_.linear);
+  zero(impulses_.angular);
+  std::fill(body_impulses_.impulse.begin(), body_impulses_.impulse.end(), Vec3::Zero());
+  check_candidates();
+
+  const Vec3 carpet_before = carpet_impulse(*parts_.carpet);
+  step_carpet();
+  const ParticleView particles = parts_.infill->particles();
+  {
+    const ScopedPhase phase(timers_, Phase::contact);
+    particle_body_.evaluate(particles, parts_.bodies, 0, plan_.window, release_at(time_),
+                            release_at(time_ - plan_.window), plan_.window, impulses_.linear,
+                            &impulses_.angular, body_impulses_);
+  }
+  Vec3 extra(0, 0, 0);
+  if (infill_acceleration_.squaredNorm() > 0) {
+    const Vec3 velocity_change = infill_acceleration_ * plan_.window;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      impulses_.linear.add(i, particles.mass[i] * velocity_change);
+      extra += particles.mass[i] * velocity_change;
+    }
+  }
+  AdvanceReport report;
+  {
+    const ScopedPhase phase(timers_, Phase::infill);
+    report = parts_.infill->advance(plan_.window, plan_.infill_substeps, impulses_);
+  }
+  Vec3 bodies(0, 0, 0);
+  double bodies_scale = 0;
+  {
+    const ScopedPhase phase(timers_, Phase::rig);
+    body_kinetic_ = body_potential_ = 0;
+    for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
+      RigidBody& body = parts_.bodies[b];
+      if (!body.present) continue;
+      const double potential = body.is_fixed() ? 0 : -body.mass * parts_.gravity.dot(body.position);
+      const BodyAdvance advance = advance_body(body, body_impulses_.impulse[b], parts_.gravity, plan_.window);
+      body_kinetic_ += advance.kinetic;
+      body_potential_ += potential;
+      bodies += advance.impulse_taken;
+      bodies_scale += body_impulses_.impulse[b].cwiseAbs().sum();
+      interval_impulse_[b] += body_impulses_.impulse[b];
+    }
+  }
+  const Vec3 carpet = carpet_frozen_ ? Vec3(-report.impulse_received + extra - bodies)
+                                     : Vec3(carpet_impulse(*parts_.carpet) - carpet_before);
+  check_momentum(report, carpet - extra, bodies, bodies_scale);
+  ++windows_;
+}
+
+void Simulation::step_carpet() {
+  const int substeps = carpet_frozen_ ? 1 : plan_.carpet_substeps;
+  const double dt = plan_.window / substeps;
+  for (int s = 0; s < substeps; ++s) {
+    const double ahead = s * dt, now = time_ + ahead;
+    zero(node_force_);
+    {
+      const ScopedPhase phase(timers_, Phase::contact);
+      const fe::NodeView nodes = parts_.carpet->nodes();
+      const double release = release_at(now), release_before = release_at(now - dt);
+      particle_shell_.evaluate(parts_.infill->particles(), ahead, nodes, dt, release, release_before,
+                               node_force_, impulses_);
+      if (!carpet_frozen_)
+        node_body_.evaluate(node_points(nodes), parts_.bodies, ahead, dt, release, release_before, 1.0,
+                            node_force_, nullptr, body_impulses_);
+    }
+    if (carpet_frozen_) continue;
+    const ScopedPhase phase(timers_, Phase::carpet);
+    parts_.carpet->step(dt, node_force_);
+  }
+}
+
+/// All contact is internal to carpet, infill and bodies: what the three received in one window adds up to
+/// nothing. The carpet and infill report what they really took, so a lost or doubled impulse shows.
+void Simulation::check_momentum(const AdvanceReport& infill, const Vec3& carpet, const Vec3& bodies,
+                                double bodies_scale) {
+  const double exchanged = infill.impulse_scale.sum() + carpet.cwiseAbs().sum() + bodies_scale;
+  largest_exchange_ = std::max(largest_exchange_, exchanged);
+  largest_imbalance_ = std::max(largest_imbalance_, (infill.impulse_received + carpet + bodies).norm());
+  if (largest_exchange_ > 0) momentum_error_ = largest_imbalance_ / largest_exchange_;
+}
+
+double Simulation::moved_since_search() const {
+  const ParticleView particles = parts_.infill->particles();
+  const fe::NodeView nodes = parts_.carpet->nodes();
+  const double of_particles =
+      std::sqrt(largest_displacement_squared(particles.x, particles.y, particles.z, reference_.particles));
+  const double of_nodes =
+      std::sqrt(largest_displacement_squared(nodes.x, nodes.y, nodes.z, reference_.nodes));
+  double of_bodies = 0;
+  for (std::size_t b = 0; b < parts_.bodies.size(); ++b)
+    of_bodies = std::max(of_bodies, (parts_.bodies[b].position - reference_.bodies[b]).norm());
+  // The two largest of the three bound how much any two can have closed in on each other.
+  return of_particles + of_nodes + of_bodies - std::min({of_particles, of_nodes, of_bodies});
+}
+
+void Simulation::check_candidates() {
+  const ScopedPhase phase(timers_, Phase::search);
+  if (reference_.valid) {
+    const double moved = moved_since_search();
+    // What moved in the last window may move again, twice as far, before the next look.
+    const double margin = 2 * std::max(0.0, moved - reference_.last_moved);
+    reference_.last_moved = moved;
+    if (moved + margin < parts_.skin) return;
+  }
+  remember_reference();
+  search(parts_.infill->particles(), parts_.carpet->nodes());
+}
+
+void Simulation::remember_reference() {
+  const ParticleView p = parts_.infill->particles();
+  const fe::NodeView n = parts_.carpet->nodes();
+  const auto copy = [](std::span<const double> from, std::vector<double>& to) {
+    to.assign(from.begin(), from.end());
+  };
+  copy(p.x, reference_.particles.x);
+  copy(p.y, reference_.particles.y);
+  copy(p.z, reference_.particles.z);
+  copy(n.x, reference_.nodes.x);
+  copy(n.y, reference_.nodes.y);
+  copy(n.z, reference_.nodes.z);
+  reference_.bodies.assign(parts_.bodies.size(), 0.0);
+  for (std::size_t b = 0; b < parts_.bodies.size(); ++b) reference_.bodies.set(b, parts_.bodies[b].position);
+  reference_.last_moved = 0;
+  reference_.valid = true;
+}
+
+void Simulation::search(const ParticleView& particles, const fe::NodeView& nodes) {
+  particle_shell_.search(particles, nodes, parts_.skin, parts_.release_overlap);
+  particle_body_.search(particles, parts_.bodies, parts_.skin, parts_.release_overlap);
+  node_body_.search(node_points(nodes), parts_.bodies, parts_.skin, parts_.release_overlap, nodes.clamped);
+  ++searches_;
+}
+
+ParticleView Simulation::node_points(const fe::NodeView& nodes) const {
+  ParticleView view;
+  view.x = nodes.x;
+  view.y = nodes.y;
+  view.z = nodes.z;
+  view.vx = nodes.vx;
+  view.vy = nodes.vy;
+  view.vz = nodes.vz;
+  view.radius = parts_.node_radius;
+  view.mass = nodes.mass;
+  return view;
+}
+
+EnergyTerms Simulation::energy_terms() const {
+  const fe::CarpetEnergy carpet = parts_.carpet->energy();
+  const InfillEnergy infill = parts_.infill->energy();
+  ContactEnergy contact = particle_shell_.energy();
+  contact += particle_body_.energy();
+  contact += node_body_.energy();
+  EnergyTerms terms;
+  terms.kinetic_carpet = carpet.kinetic;
+  terms.kinetic_infill = infill.kinetic;
+  terms.kinetic_bodies = body_kinetic_;
+  terms.strain_carpet = carpet.strain;
+  terms.hourglass = carpet.hourglass;
+  terms.stored_infill = infill.stored;
+  terms.dissipated_infill = infill.dissipated;
+  terms.contact_elastic = contact.elastic;
+  terms.contact_damping = contact.damped;
+  terms.contact_friction = contact.friction;
+  terms.gravity_potential = carpet.gravity_potential + infill.gravity_potential + body_potential_;
+  terms.damping = carpet.damping + infill.damping;
+  terms.external_work = external_work_ + contact.released;
+  return terms;
+}
+
+}  // namespace tuft::coupler

@@ -1,0 +1,119 @@
+#pragma once
+/// The coupled step: carpet, infill and bodies over one window, contact between them, and the books that are
+/// kept.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/infill.h"
+#include "core/scene.h"
+#include "core/timers.h"
+#include "coupler/body_contact.h"
+#include "coupler/energy_ledger.h"
+#include "coupler/particle_shell_contact.h"
+#include "coupler/step_plan.h"
+#include "fe_carpet/carpet.h"
+
+namespace tuft::coupler {
+
+/// Everything a simulation is made of; contact settings have one entry a particle or a node.
+struct SimulationParts {
+  std::unique_ptr<fe::Carpet> carpet;
+  std::unique_ptr<Infill> infill;
+  std::vector<RigidBody> bodies;
+  ParticleShellSettings particle_shell;
+  BodyContactSettings particle_body;
+  BodyContactSettings node_body;
+  std::vector<double> node_radius;  ///< m, half thickness at each node
+  Vec3 gravity{0, 0, -9.81};        ///< m/s^2
+  Numerics numerics;
+  double skin = 0;              ///< m, reach of contact candidates beyond touching
+  double energy_scale = 0;      ///< J, see EnergyLedger
+  bool release_overlap = true;  ///< effect overlap_release
+  double time = 0;              ///< s at the start
+};
+
+class Simulation {
+ public:
+  explicit Simulation(SimulationParts parts);
+
+  /// Advances by `interval` (s), divided into windows by the steps that are stable now.
+  /// Throws RunError from any part, and on an energy error over the limit (checked at the end of the
+  /// interval).
+  void advance_interval(double interval);
+
+  /// Holds the carpet where it is: grains are packed among still fibres. Off costs nothing.
+  void freeze_carpet(bool frozen) { carpet_frozen_ = frozen; }
+  void set_damping(double carpet, double infill);  ///< 1/s, mass-proportional
+  /// Extra acceleration on the infill (m/s^2), given through the contact impulses: packing at several g.
+  void set_infill_acceleration(const Vec3& acceleration) { infill_acceleration_ = acceleration; }
+  /// Puts a body into the simulation at a place and speed; its energy enters the ledger as external work.
+  void release_body(std::size_t body, const Vec3& position, const Vec3& velocity);
+
+  [[nodiscard]] double time() const { return time_; }
+  void set_time(double time) { time_ = time; }
+  [[nodiscard]] std::uint64_t windows() const { return windows_; }
+  [[nodiscard]] const StepPlan& step_plan() const { return plan_; }
+  [[nodiscard]] StableSteps stable_steps() const;
+  [[nodiscard]] const fe::Carpet& carpet() const { return *parts_.carpet; }
+  [[nodiscard]] Infill& infill() { return *parts_.infill; }
+  [[nodiscard]] const Infill& infill() const { return *parts_.infill; }
+  [[nodiscard]] const std::vector<RigidBody>& bodies() const { return parts_.bodies; }
+  /// Contact impulse each body received over the last interval, N s.
+  [[nodiscard]] const std::vector<Vec3>& interval_impulse() const { return interval_impulse_; }
+  [[nodiscard]] const EnergyLedger& ledger() const { return ledger_; }
+  [[nodiscard]] double momentum_error() const { return momentum_error_; }
+  [[nodiscard]] const ParticleShellContact& particle_shell() const { return particle_shell_; }
+  [[nodiscard]] const BodyContact& particle_body() const { return particle_body_; }
+  [[nodiscard]] const BodyContact& node_body() const { return node_body_; }
+  [[nodiscard]] PhaseTimers& timers() { return timers_; }
+  [[nodiscard]] std::uint64_t searches() const { return searches_; }
+  /// "fastest particle 12 (31.2 m/s), fastest node 40 (3.1 m/s)".
+  [[nodiscard]] std::string describe_fastest() const;
+  /// Highest z of any particle's or free node's top within `radius` of (x, y), m.
+  [[nodiscard]] double highest_infill(double x, double y, double radius) const;
+  [[nodiscard]] double highest_carpet(double x, double y, double radius) const;
+
+  void save(h5::Group& group);
+  void load(const h5::Group& group);
+
+ private:
+  void advance_window();
+  void step_carpet();
+  void check_candidates();
+  void search(const ParticleView& particles, const fe::NodeView& nodes);
+  void remember_reference();
+  [[nodiscard]] double moved_since_search() const;
+  void check_momentum(const AdvanceReport& infill, const Vec3& carpet, const Vec3& bodies,
+                      double bodies_scale);
+  [[nodiscard]] double release_at(double time) const;
+  [[nodiscard]] ParticleView node_points(const fe::NodeView& nodes) const;
+  [[nodiscard]] EnergyTerms energy_terms() const;
+
+  SimulationParts parts_;
+  ParticleShellContact particle_shell_;
+  BodyContact particle_body_, node_body_;
+  EnergyLedger ledger_;
+  PhaseTimers timers_;
+  StepPlan plan_;
+
+  Vec3Array node_force_;
+  ContactImpulses impulses_;
+  BodyImpulses body_impulses_;
+  std::vector<Vec3> interval_impulse_;
+
+  struct Reference {  ///< where everything stood at the last search
+    Vec3Array particles, nodes, bodies;
+    double last_moved = 0;
+    bool valid = false;
+  } reference_;
+
+  bool carpet_frozen_ = false;
+  Vec3 infill_acceleration_{0, 0, 0};
+  double time_ = 0, start_time_ = 0;
+  std::uint64_t windows_ = 0, searches_ = 0;
+  double body_kinetic_ = 0, body_potential_ = 0, external_work_ = 0;
+  double momentum_error_ = 0, largest_exchange_ = 0, largest_imbalance_ = 0;
+};
+
+}  // namespace tuft::coupler

@@ -1,0 +1,148 @@
+// What Simulation tells about itself, and its state in checkpoints.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "coupler/simulation.h"
+
+namespace tuft::coupler {
+namespace {
+
+std::pair<std::size_t, double> fastest(std::span<const double> vx, std::span<const double> vy,
+                                       std::span<const double> vz) {
+  std::pair<std::size_t, double> result{0, 0.0};
+  for (std::size_t i = 0; i < vx.size(); ++i) {
+    const double squared = vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i];
+    if (!(squared <= result.second)) result = {i, squared};
+    if (std::isnan(squared)) break;
+  }
+  return {result.first, std::sqrt(result.second)};
+}
+
+double highest(const ParticleView& points, double x, double y, double reach, bool with_radius) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double r = points.radius[i];
+    if (std::hypot(points.x[i] - x, points.y[i] - y) > reach + (with_radius ? r : 0)) continue;
+    top = std::max(top, points.z[i] + r);
+  }
+  return top;
+}
+
+}  // namespace
+
+std::string Simulation::describe_fastest() const {
+  const ParticleView p = parts_.infill->particles();
+  const fe::NodeView n = parts_.carpet->nodes();
+  const auto particle = fastest(p.vx, p.vy, p.vz);
+  const auto node = fastest(n.vx, n.vy, n.vz);
+  return fmt::format("fastest particle {} ({:.3g} m/s), fastest carpet node {} ({:.3g} m/s)", particle.first,
+                     particle.second, node.first, node.second);
+}
+
+double Simulation::highest_infill(double x, double y, double radius) const {
+  return highest(parts_.infill->particles(), x, y, radius, true);
+}
+
+double Simulation::highest_carpet(double x, double y, double radius) const {
+  return highest(node_points(parts_.carpet->nodes()), x, y, radius, false);
+}
+
+void Simulation::save(h5::Group& group) {
+  const std::vector<double> numbers{
+      time_,           start_time_,       body_kinetic_,      body_potential_,      external_work_,
+      momentum_error_, largest_exchange_, largest_imbalance_, reference_.last_moved};
+  group.write("numbers", std::span<const double>(numbers));
+  group.write_scalar("windows", windows_);
+  group.write_scalar("searches", searches_);
+  group.write_scalar("reference_valid", static_cast<std::uint64_t>(reference_.valid ? 1 : 0));
+  std::vector<double> bodies;
+  for (const RigidBody& b : parts_.bodies) {
+    for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.position[axis]);
+    for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.velocity[axis]);
+    bodies.push_back(b.present ? 1.0 : 0.0);
+  }
+  group.write("bodies", std::span<const double>(bodies));
+  if (reference_.valid) {
+    auto reference = group.create_group("reference");
+    const auto write = [&](const std::string& name, const Vec3Array& a) {
+      reference.write(name + "_x", std::span<const double>(a.x));
+      reference.write(name + "_y", std::span<const double>(a.y));
+      reference.write(name + "_z", std::span<const double>(a.z));
+    };
+    write("particles", reference_.particles);
+    write("nodes", reference_.nodes);
+    write("bodies", reference_.bodies);
+  }
+  auto carpet = group.create_group("carpet");
+  parts_.carpet->save(carpet);
+  auto infill = group.create_group("infill");
+  parts_.infill->save(infill);
+  auto shell = group.create_group("particle_shell");
+  particle_shell_.save(shell);
+  auto body = group.create_group("particle_body");
+  particle_body_.save(body);
+  auto node = group.create_group("node_body");
+  node_body_.save(node);
+  auto ledger = group.create_group("ledger");
+  ledger_.save(ledger);
+}
+
+void Simulation::load(const h5::Group& group) {
+  const std::vector<double> numbers = group.read_doubles("numbers");
+  time_ = numbers.at(0);
+  start_time_ = numbers.at(1);
+  body_kinetic_ = numbers.at(2);
+  body_potential_ = numbers.at(3);
+  external_work_ = numbers.at(4);
+  momentum_error_ = numbers.at(5);
+  largest_exchange_ = numbers.at(6);
+  largest_imbalance_ = numbers.at(7);
+  windows_ = group.read_count("windows");
+  searches_ = group.read_count("searches");
+  const std::vector<double> bodies = group.read_doubles("bodies");
+  constexpr std::size_t body_numbers = 7;
+  if (bodies.size() != body_numbers * parts_.bodies.size())
+    throw_run_error("checkpoint holds {} bodies, the scene has {}", bodies.size() / body_numbers,
+                    parts_.bodies.size());
+  for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
+    const double* v = &bodies[body_numbers * b];
+    parts_.bodies[b].position = Vec3(v[0], v[1], v[2]);
+    parts_.bodies[b].velocity = Vec3(v[3], v[4], v[5]);
+    parts_.bodies[b].present = v[6] != 0;
+  }
+  parts_.carpet->load(group.open_group("carpet"));
+  parts_.infill->load(group.open_group("infill"));
+  particle_shell_.load(group.open_group("particle_shell"));
+  particle_body_.load(group.open_group("particle_body"));
+  node_body_.load(group.open_group("node_body"));
+  ledger_.load(group.open_group("ledger"));
+  if (group.read_count("reference_valid") == 0) return;
+  const auto reference = group.open_group("reference");
+  const auto read = [&](const std::string& name) {
+    return Vec3Array{reference.read_doubles(name + "_x"), reference.read_doubles(name + "_y"),
+                     reference.read_doubles(name + "_z")};
+  };
+  reference_ = {read("particles"), read("nodes"), read("bodies"), numbers.at(8), true};
+  // The candidate lists are made again from where everything stood when they were made first, so that
+  // contacts are evaluated and summed in the same order as if the run had never stopped.
+  ParticleView particles = parts_.infill->particles();
+  particles.x = reference_.particles.x;
+  particles.y = reference_.particles.y;
+  particles.z = reference_.particles.z;
+  fe::NodeView nodes = parts_.carpet->nodes();
+  nodes.x = reference_.nodes.x;
+  nodes.y = reference_.nodes.y;
+  nodes.z = reference_.nodes.z;
+  std::vector<RigidBody> now = parts_.bodies;
+  for (std::size_t b = 0; b < now.size(); ++b) parts_.bodies[b].position = reference_.bodies[b];
+  const std::uint64_t searches = searches_;
+  search(particles, nodes);
+  searches_ = searches;
+  parts_.bodies = std::move(now);
+}
+
+}  // namespace tuft::coupler

@@ -1,0 +1,33 @@
+#pragma once
+/// The multi-rate clock: how one interval of the output grid is divided into coupling windows, and each
+/// window into steps of carpet and infill. Output times fall on window ends exactly, so no record is
+/// interpolated.
+#include <cstdint>
+
+namespace tuft::coupler {
+
+/// Stable steps of the parts before any safety factor, s.
+struct StableSteps {
+  double carpet = 0;
+  double infill = 0;
+  double contact = 0;  ///< 2 / omega of the stiffest contact on a particle, for the window
+};
+
+struct StepPlan {
+  int windows = 1;          ///< in the interval
+  int carpet_substeps = 1;  ///< in a window
+  int infill_substeps = 1;  ///< in a window
+  double window = 0;        ///< s
+};
+
+/// Each part takes the largest step it can bear:
+/// - the infill's step feels its own stiffness and that of contact in parallel: 1/dt^2 = 1/dt_infill^2 +
+/// 1/dt_contact^2;
+/// - the window is the larger of the infill's and the carpet's step, but contact impulses are spread over it,
+/// so it stays
+///   under dt_contact/sqrt(2);
+/// - the scene may ask for a smaller window (requested_window > 0); a larger one is cut to the same bound.
+[[nodiscard]] StepPlan plan_steps(const StableSteps& stable, double safety, double requested_window,
+                                  double interval);
+
+}  // namespace tuft::coupler

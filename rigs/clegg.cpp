@@ -1,0 +1,160 @@
+#include "rigs/clegg.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "rigs/butterworth.h"
+
+namespace tuft::rigs {
+namespace {
+constexpr double standard_gravity = 9.80665;  // m/s^2, ISO 80000-3: the unit "g" of the results
+}
+
+DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& filtered, double mass,
+                          double touch_force) {
+  DropResults r;
+  const std::size_t n = record.acceleration.size();
+  std::size_t touch = 0;
+  while (touch < n && record.acceleration[touch] * mass < touch_force) ++touch;
+  if (touch == n) return r;
+  r.touched = true;
+  r.touch_time = static_cast<double>(touch) * record.interval;
+  // The sample before the first force over the threshold ends where contact begins.
+  const double touch_height = touch > 0 ? record.height[touch - 1] : record.height[0];
+  r.impact_velocity = -(touch > 0 ? record.velocity[touch - 1] : record.velocity[0]);
+  std::size_t peak = touch, deepest = touch;
+  for (std::size_t i = touch; i < n; ++i) {
+    if (filtered[i] > filtered[peak]) peak = i;
+    if (record.height[i] < record.height[deepest]) deepest = i;
+  }
+  r.peak_g = filtered[peak] / standard_gravity;
+  r.time_of_peak = static_cast<double>(peak - touch) * record.interval;
+  r.max_penetration = touch_height - record.height[deepest];
+  std::size_t last_contact = touch;
+  for (std::size_t i = touch; i < n; ++i)
+    if (record.acceleration[i] * mass >= touch_force) last_contact = i;
+  r.separated = last_contact + 1 < n && last_contact > deepest && record.velocity[last_contact] > 0;
+  r.contact_time = static_cast<double>(last_contact - touch + 1) * record.interval;
+  if (r.separated) {
+    r.rebound_velocity = record.velocity[last_contact];
+  } else {
+    for (std::size_t i = deepest; i < n; ++i)
+      r.rebound_velocity = std::max(r.rebound_velocity, record.velocity[i]);
+  }
+  return r;
+}
+
+std::vector<coupler::RigidBody> CleggTester::bodies() const {
+  coupler::RigidBody missile;
+  missile.name = "missile";
+  missile.shape = coupler::Cylinder{0.5 * settings_.diameter, settings_.height};
+  missile.position = Vec3(settings_.position[0], settings_.position[1], 0);
+  missile.mass = settings_.mass;
+  missile.freedom = Vec3(0, 0, 1);
+  missile.present = false;
+  return {missile};
+}
+
+double CleggTester::energy_scale() const {
+  return 0.5 * settings_.mass * settings_.speed * settings_.speed;
+}
+
+void CleggTester::release(coupler::Simulation& simulation) {
+  const double x = settings_.position[0], y = settings_.position[1], radius = 0.5 * settings_.diameter;
+  const double infill = simulation.highest_infill(x, y, radius);
+  const double start =
+      std::max(infill, simulation.highest_carpet(x, y, radius)) + 1e-4;  // clear of everything by 0.1 mm
+  // The asked speed is the one at the infill's surface; above it the missile falls free through the pile's
+  // tips.
+  const double squared = settings_.speed * settings_.speed - 2 * gravity_ * (start - infill);
+  if (!(squared > 0))
+    throw_run_error(
+        "rig.speed = {:.3g} m/s is too slow to be reached by a fall of {:.3g} mm from the fibres' tips to "
+        "the infill",
+        settings_.speed, 1e3 * (start - infill));
+  simulation.release_body(body_, Vec3(x, y, start), Vec3(0, 0, -std::sqrt(squared)));
+}
+
+void CleggTester::sample(const coupler::Simulation& simulation, double time, double interval) {
+  if (time <= 0) {
+    ++samples_before_release_;
+    return;
+  }
+  record_.interval = interval;
+  const coupler::RigidBody& body = simulation.bodies()[body_];
+  const double acceleration = simulation.interval_impulse()[body_].z() / (settings_.mass * interval);
+  if (!touched_ && acceleration * settings_.mass >= settings_.touch_force) {
+    touched_ = true;
+    touch_height_ = record_.height.empty() ? body.position.z() : record_.height.back();
+  }
+  record_.acceleration.push_back(acceleration);
+  record_.velocity.push_back(body.velocity.z());
+  record_.height.push_back(body.position.z());
+}
+
+std::vector<HistoryColumn> CleggTester::columns() const {
+  return {{"acceleration", "m/s^2"}, {"velocity", "m/s"}, {"penetration", "m"}, {"contact_force", "N"}};
+}
+
+std::vector<double> CleggTester::row() const {
+  if (record_.acceleration.empty()) return {0, 0, 0, 0};
+  const double acceleration = record_.acceleration.back();
+  const double penetration = touched_ ? touch_height_ - record_.height.back() : 0.0;
+  return {acceleration, record_.velocity.back(), penetration, acceleration * settings_.mass};
+}
+
+std::vector<double> CleggTester::filtered() const {
+  return zero_phase_lowpass(record_.acceleration, record_.interval, settings_.filter_cutoff);
+}
+
+std::vector<Rig::FinishedColumn> CleggTester::finished_columns() const {
+  std::vector<double> column(samples_before_release_, 0.0);
+  if (!record_.acceleration.empty()) {
+    const std::vector<double> signal = filtered();
+    column.insert(column.end(), signal.begin(), signal.end());
+  }
+  return {{{"acceleration_filtered", "m/s^2"}, column}};
+}
+
+std::map<std::string, Quantity> CleggTester::results() const {
+  if (record_.acceleration.empty()) return {};
+  const DropResults r = evaluate_drop(record_, filtered(), settings_.mass, settings_.touch_force);
+  if (!r.touched) return {};
+  const auto highest = std::max_element(record_.acceleration.begin(), record_.acceleration.end());
+  return {{"peak_g", {r.peak_g, "g"}},
+          {"peak_g_raw", {*highest / standard_gravity, "g"}},
+          {"time_of_peak", {r.time_of_peak, "s"}},
+          {"rebound_velocity", {r.rebound_velocity, "m/s"}},
+          {"max_penetration", {r.max_penetration, "m"}},
+          {"contact_time", {r.contact_time, "s"}},
+          {"impact_velocity", {r.impact_velocity, "m/s"}},
+          {"separated", {r.separated ? 1.0 : 0.0, "1"}}};
+}
+
+void CleggTester::save(h5::Group& group) const {
+  group.write("acceleration", std::span<const double>(record_.acceleration));
+  group.write("velocity", std::span<const double>(record_.velocity));
+  group.write("height", std::span<const double>(record_.height));
+  group.write_scalar("interval", record_.interval);
+  group.write_scalar("touch_height", touch_height_);
+  group.write_scalar("touched", static_cast<std::uint64_t>(touched_ ? 1 : 0));
+  group.write_scalar("samples_before_release", static_cast<std::uint64_t>(samples_before_release_));
+}
+
+void CleggTester::load(const h5::Group& group) {
+  record_.acceleration = group.read_doubles("acceleration");
+  record_.velocity = group.read_doubles("velocity");
+  record_.height = group.read_doubles("height");
+  record_.interval = group.read_double("interval");
+  touch_height_ = group.read_double("touch_height");
+  touched_ = group.read_count("touched") != 0;
+  samples_before_release_ = group.read_count("samples_before_release");
+}
+
+std::unique_ptr<Rig> make_rig(const Scene& scene) {
+  if (scene.rig.type == "clegg") return std::make_unique<CleggTester>(scene.rig.clegg, 9.81);
+  throw_input_error("{}: rig.type: \"{}\" is not a rig; known: clegg", scene.file, scene.rig.type);
+}
+
+}  // namespace tuft::rigs

@@ -1,0 +1,62 @@
+#pragma once
+/// Clegg impact tester: a flat-ended rigid cylinder guided vertically, falling free on the turf.
+#include <vector>
+
+#include "rigs/rig.h"
+
+namespace tuft::rigs {
+
+/// One drop as measured: equal intervals since release.
+struct DropRecord {
+  double interval = 0;               ///< s between samples
+  std::vector<double> acceleration;  ///< m/s^2, upward: mean contact force over the interval / mass (what an
+                                     ///< accelerometer reads, 0 in free fall)
+  std::vector<double> velocity;  ///< m/s, upward, at the sample's end
+  std::vector<double> height;    ///< m, lower face, at the sample's end
+};
+
+struct DropResults {
+  bool touched = false, separated = false;
+  double touch_time = 0;    ///< s since release
+  double peak_g = 0;        ///< of the filtered acceleration, in standard gravity (9.80665 m/s^2)
+  double time_of_peak = 0;  ///< s since touch
+  double rebound_velocity =
+      0;  ///< m/s, upward, at separation (last force under touch_force after the deepest point);
+          ///< without separation: the highest upward velocity after the deepest point, at least 0
+  double max_penetration = 0;  ///< m, depth of the lower face under its place at touch
+  double contact_time = 0;     ///< s, touch to separation (or to the end)
+  double impact_velocity = 0;  ///< m/s, downward, at touch
+};
+
+/// Pure evaluation of a record. `filtered` is the filtered acceleration, as long as the record.
+[[nodiscard]] DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& filtered,
+                                        double mass, double touch_force);
+
+class CleggTester final : public Rig {
+ public:
+  explicit CleggTester(const CleggRig& settings, double gravity) : settings_(settings), gravity_(gravity) {}
+
+  [[nodiscard]] std::vector<coupler::RigidBody> bodies() const override;
+  void set_first_body(std::size_t index) override { body_ = index; }
+  [[nodiscard]] double energy_scale() const override;
+  void release(coupler::Simulation& simulation) override;
+  void sample(const coupler::Simulation& simulation, double time, double interval) override;
+  [[nodiscard]] std::vector<HistoryColumn> columns() const override;
+  [[nodiscard]] std::vector<double> row() const override;
+  [[nodiscard]] std::vector<FinishedColumn> finished_columns() const override;
+  [[nodiscard]] std::map<std::string, Quantity> results() const override;
+  void save(h5::Group& group) const override;
+  void load(const h5::Group& group) override;
+
+ private:
+  [[nodiscard]] std::vector<double> filtered() const;
+  CleggRig settings_;
+  double gravity_;
+  std::size_t body_ = 0;
+  std::size_t samples_before_release_ = 0;
+  double touch_height_ = 0;
+  bool touched_ = false;
+  DropRecord record_;
+};
+
+}  // namespace tuft::rigs

@@ -1,0 +1,162 @@
+// What can be known about a run before running it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "rigs/process_memory.h"
+#include "rigs/run.h"
+#include "rigs/run_state.h"
+
+namespace tuft::rigs {
+namespace {
+
+/// Mean mass of a grain drawn uniformly in diameter from [low, high]: E[d^3] = (high^4 - low^4) / (4 (high -
+/// low)).
+double mean_grain_mass(const GrainMaterial& grain, double scale) {
+  const double low = grain.diameter_min * scale, high = grain.diameter_max * scale;
+  const double cube =
+      high > low ? (std::pow(high, 4) - std::pow(low, 4)) / (4 * (high - low)) : std::pow(low, 3);
+  return grain.density * std::numbers::pi / 6 * cube;
+}
+
+double coarse_graining(const Scene& scene, const std::string& material) {
+  const auto& own = scene.infill.dem.material_coarse_graining;
+  const auto found = own.find(material);
+  return found == own.end() ? scene.infill.dem.coarse_graining : found->second;
+}
+
+struct GrainEstimate {
+  double count = 0;
+  double rayleigh_step = 1;  ///< s, 20 % of the smallest Rayleigh time
+  double contact_step = 1;   ///< s, 2 / omega of the stiffest contact
+  double smallest = 1;       ///< m, diameter
+};
+
+GrainEstimate estimate_grains(const Scene& scene) {
+  GrainEstimate estimate;
+  for (const Layer& layer : scene.turf.layers) {
+    const Material& material = scene.materials.at(layer.material);
+    const double mass = material.bulk_density * scene.turf.size[0] * scene.turf.size[1] * layer.depth;
+    for (const GrainShare& share : material.grain_shares) {
+      const Material& kind = scene.materials.at(share.material);
+      const GrainMaterial& grain = *kind.grain;
+      const double scale = coarse_graining(scene, kind.name);
+      estimate.count += mass * share.mass_fraction / mean_grain_mass(grain, scale);
+      const double r = 0.5 * grain.diameter_min * scale;
+      const double shear = grain.young_modulus / (2 * (1 + grain.poisson_ratio));
+      estimate.rayleigh_step =
+          std::min(estimate.rayleigh_step, 0.2 * std::numbers::pi * r * std::sqrt(grain.density / shear) /
+                                               (0.1631 * grain.poisson_ratio + 0.8766));
+      const double grain_mass = grain.density * 4.0 / 3 * std::numbers::pi * r * r * r;
+      estimate.contact_step = std::min(estimate.contact_step,
+                                       2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
+      estimate.smallest = std::min(estimate.smallest, 2 * r);
+    }
+  }
+  return estimate;
+}
+
+void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene,
+                const Schedule& schedule) {
+  const coupler::StepPlan steps = coupler::plan_steps(stable, scene.numerics.step_safety,
+                                                      scene.numerics.coupling_window, schedule.interval);
+  plan.window = steps.window;
+  plan.carpet_substeps = steps.carpet_substeps;
+  plan.infill_substeps = steps.infill_substeps;
+  plan.carpet_step = steps.window / steps.carpet_substeps;
+  plan.infill_step = steps.window / steps.infill_substeps;
+  plan.windows = static_cast<std::uint64_t>(steps.windows) * schedule.end;
+}
+
+/// Builds the run and times its real loops over the first intervals.
+void plan_by_running(RunPlan& plan, const Scene& scene) {
+  RunState state = make_run_state(scene, nullptr, {});
+  coupler::Simulation& simulation = state.simulation();
+  const fe::Carpet& carpet = simulation.carpet();
+  plan.particles = simulation.infill().particles().size();
+  plan.shells = carpet.mesh().quads.size();
+  plan.nodes = carpet.nodes().x.size();
+  take_steps(plan, simulation.stable_steps(), scene, state.schedule);
+  simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
+  simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
+  const auto start = std::chrono::steady_clock::now();
+  constexpr int timed = 3;
+  for (int i = 0; i < timed; ++i) simulation.advance_interval(state.schedule.interval);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed;
+  plan.predicted_wall_s = seconds * static_cast<double>(state.schedule.end);
+  plan.predicted_memory_bytes = peak_memory_bytes(0);
+  const auto& shell = simulation.particle_shell();
+  if (shell.initial_overlap().pairs > 0)
+    plan.remarks.push_back(fmt::format(
+        "{} particles overlap fibres or backing by up to {:.3g} mm at the start; the overlap is let "
+        "go over {:.3g} ms of settling",
+        shell.initial_overlap().pairs, 1e3 * shell.initial_overlap().largest,
+        1e3 * scene.numerics.contact_release_time));
+  if (shell.softening() > 1)
+    plan.remarks.push_back(fmt::format(
+        "contact of infill with shells is {:.3g} times softer than the infill's own penalty: a light "
+        "fibre bears no stiffer spring (docs/theory/contact.md)",
+        shell.softening()));
+}
+
+/// DEM without packing: counts from masses, speeds from what the bridge measured (docs/performance.md).
+void plan_by_counting(RunPlan& plan, const Scene& scene) {
+  const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, effect_on(plan.effects, "fibres"));
+  plan.shells = mesh.quads.size();
+  plan.nodes = mesh.nodes.size();
+  fe::CarpetOptions options;
+  const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre}, options);
+  const GrainEstimate grains = estimate_grains(scene);
+  plan.particles = static_cast<std::uint64_t>(grains.count);
+  take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step}, scene,
+             make_schedule(scene));
+  constexpr double particle_steps_per_s = 1.5e6,
+                   element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
+  const double windows = static_cast<double>(plan.windows);
+  plan.predicted_wall_s =
+      windows * (static_cast<double>(plan.infill_substeps) * grains.count / particle_steps_per_s +
+                 plan.carpet_substeps * static_cast<double>(plan.shells) / element_steps_per_s);
+  constexpr std::uint64_t bytes_per_grain = 4000, bytes_per_shell = 2000, programs = 60u << 20;
+  plan.predicted_memory_bytes = programs + bytes_per_grain * plan.particles + bytes_per_shell * plan.shells;
+  plan.remarks.push_back(
+      "grains are counted from layer masses, and time and memory estimated from usual speeds: nothing was "
+      "packed");
+}
+
+double clearance(const CarpetDesign& carpet) {
+  return std::min(carpet.gauge, carpet.stitch_spacing) - carpet.strand_width;
+}
+
+}  // namespace
+
+RunPlan plan(const Scene& scene) {
+  RunPlan plan;
+  plan.effects = decide_effects(scene);
+  if (scene.numerics.threads > 0) set_threads(scene.numerics.threads);
+  if (scene.infill.approach == Approach::sph) {
+    plan_by_running(plan, scene);
+    return plan;
+  }
+  plan_by_counting(plan, scene);
+  double largest = 0;
+  for (const Layer& layer : scene.turf.layers)
+    for (const GrainShare& share : scene.materials.at(layer.material).grain_shares) {
+      const Material& kind = scene.materials.at(share.material);
+      largest = std::max(largest, kind.grain->diameter_max * coarse_graining(scene, kind.name));
+    }
+  const double ratio = clearance(scene.turf.carpet) / largest;
+  if (effect_on(plan.effects, "fibres") && ratio < 5)
+    plan.remarks.push_back(fmt::format(
+        "clearance between tufts is {:.2g} of the largest grain's diameter (under 5): grains may jam; "
+        "reduce infill.dem.coarse_graining",
+        ratio));
+  return plan;
+}
+
+}  // namespace tuft::rigs

@@ -1,0 +1,291 @@
+#include "rigs/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/scene_reader.h"
+#include "rigs/process_memory.h"
+#include "rigs/run_state.h"
+#include "rigs/xdmf.h"
+
+namespace tuft::rigs {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::vector<coupler::RecordedColumn> rig_columns(const Rig& rig) {
+  std::vector<coupler::RecordedColumn> columns;
+  for (const HistoryColumn& c : rig.columns()) columns.push_back({c.name, c.unit});
+  return columns;
+}
+
+std::vector<coupler::RecordedColumn> finished_columns(const Rig& rig) {
+  std::vector<coupler::RecordedColumn> columns;
+  for (const auto& c : rig.finished_columns()) columns.push_back({c.column.name, c.column.unit});
+  return columns;
+}
+
+/// Wall time by phase. DEM: the window's time is split into LIGGGHTS' own steps (infill), what the bridge
+/// copies and signals (exchange), and the rest of the wait for the other process (waiting).
+std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
+                                            const coupler::BuiltSimulation& built) {
+  std::map<std::string, double> cost;
+  for (std::size_t p = 0; p < phase_names.size(); ++p)
+    cost[std::string(phase_names[p])] = simulation.timers().seconds(static_cast<Phase>(p));
+  if (built.dem != nullptr) {
+    const double window = cost["infill"];
+    cost["exchange"] = built.dem->exchange_seconds();
+    cost["infill"] = std::min(window, built.dem->waiting_seconds());
+    cost["waiting"] = std::max(0.0, window - cost["infill"] - cost["exchange"]);
+  }
+  return cost;
+}
+
+/// Runs one request; its members are what the stages share.
+class Runner {
+ public:
+  explicit Runner(const RunRequest& request) : request_(request) {
+    summary_.status = "failed";
+    summary_.scene_name = request.scene.info.name;
+    summary_.rig = request.scene.rig.type;
+    summary_.approach = request.scene.infill.approach == Approach::sph ? "sph" : "dem";
+    summary_.version = TUFT_VERSION;
+    summary_.effects = decide_effects(request.scene);
+    if (request.scene.numerics.threads > 0) set_threads(request.scene.numerics.threads);
+  }
+
+  RunSummary run() {
+    try {
+      prepare();
+      go();
+    } catch (const RunError& error) {
+      summary_.status = "failed";
+      summary_.error = error.what();
+    }
+    conclude();
+    return summary_;
+  }
+
+ private:
+  [[nodiscard]] std::filesystem::path file(const char* name) const { return request_.folder / name; }
+
+  void prepare() {
+    const Scene& scene = request_.scene;
+    std::optional<dem::Grains> grains;
+    if (request_.resume) grains = read_checkpoint_grains(file("checkpoint.h5"), scene);
+    state_ = make_run_state(scene, grains ? &*grains : nullptr,
+                            [&](const std::string& stage, double done) { report_progress(stage, 0, done); });
+    if (request_.resume) {
+      const CheckpointRest rest = read_checkpoint(file("checkpoint.h5"), scene, state_);
+      before_ = rest.spent;
+      recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), state_.simulation(), rest.rows,
+                                                  rig_columns(*state_.rig)));
+      if (state_.index >= state_.schedule.settle)
+        set_drop_damping();
+      else
+        set_settle_damping();
+    } else {
+      recorder_.emplace(coupler::Recorder::create(file("run.h5"), state_.simulation(), write_scene(scene),
+                                                  TUFT_VERSION, rig_columns(*state_.rig),
+                                                  finished_columns(*state_.rig)));
+      set_settle_damping();
+    }
+    state_.simulation().timers().add(Phase::packing, state_.built.packing_seconds);
+    state_.simulation().timers().add(Phase::setup, seconds_since(start_) - state_.built.packing_seconds);
+    built_ = true;
+  }
+
+  void set_settle_damping() {
+    state_.simulation().set_damping(request_.scene.numerics.settle_damping,
+                                    request_.scene.numerics.settle_damping);
+  }
+  void set_drop_damping() { state_.simulation().set_damping(request_.scene.turf.carpet.damping, 0); }
+
+  void go() {
+    const Schedule& schedule = state_.schedule;
+    coupler::Simulation& simulation = state_.simulation();
+    loop_start_ = Clock::now();
+    first_index_ = state_.index;
+    if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
+    int checkpoints = 0;
+    while (state_.index < schedule.end) {
+      if (state_.index == schedule.settle) {
+        set_drop_damping();
+        state_.rig->release(simulation);
+      }
+      simulation.advance_interval(schedule.interval);
+      ++state_.index;
+      const double time = schedule.time(state_.index);
+      simulation.set_time(time);  // no drift: the grid's own value
+      state_.rig->sample(simulation, time - 0.5 * schedule.interval, schedule.interval);
+      record(time);
+      const bool last = state_.index == schedule.end;
+      const bool due = schedule.checkpoint_every > 0 && state_.index % schedule.checkpoint_every == 0;
+      const bool stop = request_.stop != nullptr && request_.stop->load();
+      if (due || stop || last) {
+        checkpoint();
+        if (due) ++checkpoints;
+      }
+      report_progress(state_.index <= schedule.settle ? "settling" : "drop", time, -1);
+      if (!last &&
+          (stop || (request_.stop_after_checkpoints > 0 && checkpoints >= request_.stop_after_checkpoints))) {
+        summary_.status = "stopped";
+        return;
+      }
+    }
+    summary_.status = "completed";
+  }
+
+  /// Wall time by phase, what was spent before a resume included.
+  [[nodiscard]] std::map<std::string, double> cost() {
+    std::map<std::string, double> total = cost_by_phase(state_.simulation(), state_.built);
+    for (const auto& [phase, seconds] : before_.cost) total[phase] += seconds;
+    return total;
+  }
+
+  void record(double time) {
+    coupler::Simulation& simulation = state_.simulation();
+    const ScopedPhase phase(simulation.timers(), Phase::record);
+    recorder_->record_history(time, state_.rig->row(), simulation.ledger());
+    if (state_.index % state_.schedule.frame_every == 0 || state_.index == state_.schedule.end) {
+      recorder_->record_frame(time, simulation);
+      recorder_->record_cost(time, cost());
+    }
+    recorder_->flush_when_due();
+  }
+
+  void checkpoint() {
+    coupler::Simulation& simulation = state_.simulation();
+    const ScopedPhase phase(simulation.timers(), Phase::checkpoint);
+    recorder_->flush();
+    write_checkpoint(file("checkpoint.h5"), request_.scene, state_, recorder_->rows(),
+                     {before_.wall + seconds_since(start_), cost()});
+  }
+
+  void report_progress(const std::string& stage, double time, double packing_done) {
+    if (!request_.on_progress) return;
+    const bool finished = built_ && state_.index == state_.schedule.end;
+    if (!finished && last_report_ && seconds_since(*last_report_) < 0.1) return;
+    last_report_ = Clock::now();
+    Progress progress;
+    progress.stage = stage;
+    progress.time = time;
+    progress.end_time = request_.scene.info.duration;
+    progress.wall = seconds_since(start_);
+    progress.eta = -1;
+    if (built_) {
+      progress.window = state_.simulation().windows();
+      progress.energy_error = state_.simulation().ledger().largest_error();
+      const double done = static_cast<double>(state_.index - first_index_);
+      const double left = static_cast<double>(state_.schedule.end - state_.index);
+      if (done > 0) progress.eta = seconds_since(loop_start_) * left / done;
+    } else if (packing_done > 0) {
+      progress.time = packing_done;
+      progress.end_time = 1;
+    }
+    request_.on_progress(progress);
+  }
+
+  /// Last words: what was measured so far, also of a run that failed.
+  void conclude() {
+    if (recorder_) {
+      try {
+        if (built_)
+          for (const auto& column : state_.rig->finished_columns())
+            recorder_->record_finished(column.column.name, column.values);
+        recorder_->flush();
+      } catch (const RunError& error) {
+        if (summary_.error.empty()) summary_.error = error.what();
+        summary_.status = "failed";
+      }
+    }
+    if (built_) measure();
+    summary_.wall_s = before_.wall + seconds_since(start_);
+    write_summary(request_.folder, summary_);
+    if (recorder_) {
+      try {
+        write_xdmf(request_.folder);
+      } catch (const RunError& error) {
+        if (summary_.error.empty()) summary_.error = error.what();
+      }
+    }
+  }
+
+  void measure();
+
+  const RunRequest& request_;
+  RunSummary summary_;
+  RunState state_;
+  std::optional<coupler::Recorder> recorder_;
+  bool built_ = false;
+  SpentSoFar before_;
+  std::uint64_t first_index_ = 0;
+  Clock::time_point start_ = Clock::now(), loop_start_ = start_;
+  std::optional<Clock::time_point> last_report_;
+};
+
+void Runner::measure() {
+  coupler::Simulation& simulation = state_.simulation();
+  summary_.results = state_.rig->results();
+  summary_.energy_error = simulation.ledger().largest_error();
+  summary_.momentum_error = simulation.momentum_error();
+  summary_.simulated_time = state_.schedule.time(state_.index);
+  summary_.steps = simulation.windows();
+  summary_.cost = cost();
+  const Infill& infill = simulation.infill();
+  summary_.particles = infill.particles().size();
+  summary_.shells = simulation.carpet().mesh().quads.size();
+  const double infill_seconds = summary_.cost["infill"], carpet_seconds = summary_.cost["carpet"];
+  if (infill_seconds > 0)
+    summary_.particle_steps_per_s = static_cast<double>(infill.particle_steps()) / infill_seconds;
+  if (carpet_seconds > 0)
+    summary_.element_steps_per_s = static_cast<double>(simulation.carpet().element_steps()) / carpet_seconds;
+  summary_.peak_memory_bytes =
+      peak_memory_bytes(state_.built.dem != nullptr ? state_.built.dem->host_process() : 0);
+
+  const coupler::StepPlan& plan = simulation.step_plan();
+  auto& notes = summary_.notes;
+  notes["window"] = {plan.window, "s"};
+  notes["carpet_step"] = {plan.window / plan.carpet_substeps, "s"};
+  notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
+  notes["contact_searches"] = {static_cast<double>(simulation.searches()), "1"};
+  notes["contact_pairs_particle_shell"] = {static_cast<double>(simulation.particle_shell().pair_count()),
+                                           "1"};
+  notes["contact_touching_particle_shell"] = {static_cast<double>(simulation.particle_shell().touching()),
+                                              "1"};
+  notes["contact_softening_particle_shell"] = {simulation.particle_shell().softening(), "1"};
+  notes["initial_overlaps"] = {static_cast<double>(simulation.particle_shell().initial_overlap().pairs +
+                                                   simulation.particle_body().initial_overlap().pairs +
+                                                   simulation.node_body().initial_overlap().pairs),
+                               "1"};
+  notes["initial_overlap_largest"] = {std::max({simulation.particle_shell().initial_overlap().largest,
+                                                simulation.particle_body().initial_overlap().largest,
+                                                simulation.node_body().initial_overlap().largest}),
+                                      "m"};
+  notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
+  if (state_.built.dem != nullptr) {
+    notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};
+    if (summary_.status == "failed") return;  // the host may be gone
+    const auto overlaps = state_.built.dem->overlaps();
+    notes["grain_overlap_mean"] = {overlaps.mean, "1"};
+    notes["grain_overlap_percentile_99"] = {overlaps.percentile_99, "1"};
+    notes["grain_overlap_largest"] = {overlaps.largest, "1"};
+    notes["grain_contacts"] = {static_cast<double>(overlaps.contacts), "1"};
+  }
+}
+
+}  // namespace
+
+RunSummary run(const RunRequest& request) {
+  return Runner(request).run();
+}
+
+}  // namespace tuft::rigs

@@ -1,0 +1,169 @@
+#include "rigs/run_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/scene_reader.h"
+
+namespace tuft::rigs {
+namespace {
+
+std::uint64_t intervals_in(double duration, double interval) {
+  return static_cast<std::uint64_t>(std::llround(duration / interval));
+}
+
+constexpr std::uint64_t checkpoint_format = 1;
+
+/// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
+/// may not.
+std::string physics_hash(const Scene& scene) {
+  Scene bare = scene;
+  bare.file.clear();
+  bare.numerics.threads = 0;
+  bare.infill.dem.host.clear();
+  bare.infill.dem.use_cache = true;
+  return content_hash(write_scene(bare));
+}
+
+h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
+  if (!std::filesystem::exists(path))
+    throw_input_error("{}: no checkpoint to resume from: start the scene again with tuft run", path.string());
+  try {
+    h5::File file = h5::File::open(path);
+    const h5::Group root = file.root();
+    const std::uint64_t format = root.read_count("format");
+    if (format != checkpoint_format)
+      throw_input_error(
+          "{}: checkpoint format {} is not the format {} of this program: resume with the version that wrote "
+          "it",
+          path.string(), format, checkpoint_format);
+    const std::string hash = root.read_string("scene_hash");
+    if (hash != physics_hash(scene))
+      throw_input_error(
+          "{}: checkpoint of another scene (scene hash {}, this scene {}): restore the scene.toml it was "
+          "written with, or start the scene again with tuft run",
+          path.string(), hash, physics_hash(scene));
+    return file;
+  } catch (const RunError& error) {
+    throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
+                      path.string(), error.what());
+  }
+}
+
+}  // namespace
+
+Schedule make_schedule(const Scene& scene) {
+  Schedule s;
+  s.interval = scene.output.histories;
+  s.settle = intervals_in(scene.numerics.settle_time, s.interval);
+  s.end = s.settle + std::max<std::uint64_t>(1, intervals_in(scene.info.duration, s.interval));
+  s.frame_every = std::max<std::uint64_t>(1, intervals_in(scene.output.frames, s.interval));
+  if (scene.output.checkpoint_every > 0)
+    s.checkpoint_every = std::max<std::uint64_t>(1, intervals_in(scene.output.checkpoint_every, s.interval));
+  return s;
+}
+
+RunState make_run_state(const Scene& scene, const dem::Grains* grains,
+                        const std::function<void(const std::string&, double)>& on_progress) {
+  RunState state;
+  state.schedule = make_schedule(scene);
+  state.effects = decide_effects(scene);
+  state.rig = make_rig(scene);
+  coupler::BuildRequest request;
+  request.scene = &scene;
+  request.effects = state.effects;
+  request.rig_bodies = state.rig->bodies();
+  request.energy_scale = state.rig->energy_scale();
+  request.grains = grains;
+  request.on_progress = on_progress;
+  state.built = coupler::build_simulation(request);
+  state.rig->set_first_body(state.built.first_rig_body);
+  state.simulation().set_time(state.schedule.time(0));
+  return state;
+}
+
+void write_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state,
+                      const std::map<std::string, std::uint64_t>& rows, const SpentSoFar& spent) {
+  h5::File file = h5::File::create_atomically(path);
+  h5::Group root = file.root();
+  root.write_scalar("format", checkpoint_format);
+  root.write_string("scene_hash", physics_hash(scene));
+  root.write_scalar("index", state.index);
+  h5::Group spent_group = root.create_group("spent");
+  spent_group.write_scalar("wall", spent.wall);
+  for (const auto& [phase, seconds] : spent.cost) spent_group.write_scalar(phase, seconds);
+  h5::Group row_group = root.create_group("rows");
+  std::string names;
+  std::vector<std::uint64_t> counts;
+  for (const auto& [name, count] : rows) {
+    names += name + "\n";
+    counts.push_back(count);
+  }
+  row_group.write_string("names", names);
+  row_group.write("counts", std::span<const std::uint64_t>(counts));
+  if (state.built.dem != nullptr) {
+    const ParticleView p = state.built.dem->particles();
+    h5::Group grains = root.create_group("grains");
+    grains.write("x", p.x);
+    grains.write("y", p.y);
+    grains.write("z", p.z);
+    grains.write("radius", p.radius);
+    grains.write("mass", p.mass);
+    grains.write("layer", p.layer);
+    grains.write("material", p.material);
+  }
+  h5::Group simulation = root.create_group("simulation");
+  state.simulation().save(simulation);
+  h5::Group rig = root.create_group("rig");
+  state.rig->save(rig);
+  file.commit();
+}
+
+std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path, const Scene& scene) {
+  const h5::File file = open_checkpoint(path, scene);
+  if (!file.root().has("grains")) return std::nullopt;
+  try {
+    const h5::Group group = file.root().open_group("grains");
+    dem::Grains grains;
+    grains.position = {group.read_doubles("x"), group.read_doubles("y"), group.read_doubles("z")};
+    grains.radius = group.read_doubles("radius");
+    grains.layer = group.read_ints("layer");
+    grains.material = group.read_ints("material");
+    for (const Index material : grains.material)
+      grains.density.push_back(scene.materials.at(material).grain->density);
+    return grains;
+  } catch (const RunError& error) {
+    throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
+                      path.string(), error.what());
+  }
+}
+
+CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state) {
+  const h5::File file = open_checkpoint(path, scene);
+  const h5::Group root = file.root();
+  CheckpointRest rest;
+  try {
+    state.index = root.read_count("index");
+    const h5::Group spent_group = root.open_group("spent");
+    rest.spent.wall = spent_group.read_double("wall");
+    for (const auto phase : phase_names) rest.spent.cost[std::string(phase)] = spent_group.read_double(phase);
+    const h5::Group row_group = root.open_group("rows");
+    const std::string names = row_group.read_string("names");
+    const std::vector<std::uint64_t> counts = row_group.read_counts("counts");
+    std::size_t begin = 0;
+    for (const std::uint64_t count : counts) {
+      const std::size_t end = names.find('\n', begin);
+      rest.rows[names.substr(begin, end - begin)] = count;
+      begin = end + 1;
+    }
+    state.simulation().load(root.open_group("simulation"));
+    state.rig->load(root.open_group("rig"));
+  } catch (const RunError& error) {
+    throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
+                      path.string(), error.what());
+  }
+  return rest;
+}
+
+}  // namespace tuft::rigs

@@ -1,0 +1,67 @@
+#pragma once
+/// One run in the making: simulation, rig, place on the output grid. What run.cpp drives and checkpoints
+/// hold.
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "coupler/build_simulation.h"
+#include "coupler/recorder.h"
+#include "rigs/rig.h"
+
+namespace tuft::rigs {
+
+/// Everything is scheduled on a grid of output.histories: settling, drop, frames and checkpoints are whole
+/// numbers of its intervals, so that times do not drift and a resumed run meets the same instants.
+struct Schedule {
+  double interval = 0;       ///< s
+  std::uint64_t settle = 0;  ///< intervals before release
+  std::uint64_t end = 0;     ///< intervals in all
+  std::uint64_t frame_every = 1;
+  std::uint64_t checkpoint_every = 0;  ///< 0: only at the end and on interruption
+
+  [[nodiscard]] double time(std::uint64_t index) const {
+    return (static_cast<double>(index) - static_cast<double>(settle)) * interval;
+  }
+};
+[[nodiscard]] Schedule make_schedule(const Scene& scene);
+
+struct RunState {
+  Schedule schedule;
+  std::vector<EffectDecision> effects;
+  std::unique_ptr<Rig> rig;
+  coupler::BuiltSimulation built;
+  std::uint64_t index = 0;  ///< intervals done
+
+  [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }
+};
+
+/// Builds what a scene asks for. `grains`: see BuildRequest.
+[[nodiscard]] RunState make_run_state(const Scene& scene, const dem::Grains* grains,
+                                      const std::function<void(const std::string&, double)>& on_progress);
+
+/// Time spent up to a checkpoint, so that a resumed run tells the cost of the whole.
+struct SpentSoFar {
+  double wall = 0;                     ///< s
+  std::map<std::string, double> cost;  ///< phase -> s
+};
+
+/// checkpoint.h5: state, the rows recorded so far, and the hash of the scene it belongs to.
+void write_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state,
+                      const std::map<std::string, std::uint64_t>& rows, const SpentSoFar& spent);
+
+struct CheckpointRest {
+  std::map<std::string, std::uint64_t> rows;
+  SpentSoFar spent;
+};
+/// Grains as they stand in a DEM checkpoint's frame of reference are in the state itself; a fresh DEM infill
+/// only needs as many grains, with their radii: read from here before the state is built. Empty for SPH.
+[[nodiscard]] std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path,
+                                                                const Scene& scene);
+/// Throws InputError for a file that is missing, truncated, or of another scene.
+CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state);
+
+}  // namespace tuft::rigs
