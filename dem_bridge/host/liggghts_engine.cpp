@@ -1,0 +1,359 @@
+#include "dem_bridge/host/liggghts_engine.h"
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <liggghts/lammps.h>
+// LIGGGHTS' headers lean on each other's order.
+#include <liggghts/atom.h>
+#include <liggghts/fix_external.h>
+#include <liggghts/fix_property_global.h>
+#include <liggghts/force.h>
+#include <liggghts/input.h>
+#include <liggghts/integrate.h>
+#include <liggghts/modify.h>
+#include <liggghts/neigh_list.h>
+#include <liggghts/pair_gran.h>
+#include <liggghts/update.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "core/vector.h"
+#include "dem_bridge/hertz.h"
+#include "dem_bridge/host/kick.h"
+#include "dem_bridge/host/screen_ring.h"
+
+namespace tuft::dem {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Vec3 load3(const double* p) {
+  return {p[0], p[1], p[2]};
+}
+void store3(double* p, const Vec3& v) {
+  p[0] = v.x();
+  p[1] = v.y();
+  p[2] = v.z();
+}
+
+}  // namespace
+
+struct LiggghtsEngine::Impl {
+  SharedMemory& memory;
+  SharedState& shared;
+  LAMMPS_NS::LAMMPS* lammps = nullptr;
+  bool started = false;
+  bool stepping = false;        // callbacks outside `advance` (set-ups) only look away
+  std::int64_t substep = 0;     // of the window under way
+  double callback_seconds = 0;  // of the window under way
+  std::string trouble;          // found in a callback, thrown when LIGGGHTS has returned
+
+  explicit Impl(SharedMemory& shared_memory) : memory(shared_memory), shared(shared_memory.state()) {
+    const char* arguments[] = {"liggghts", "-log", "none", "-nocite", "-screen", "none"};
+    std::vector<char*> pointers;
+    for (const char* text : arguments)
+      pointers.push_back(const_cast<char*>(text));  // LIGGGHTS only reads them
+    lammps = new LAMMPS_NS::LAMMPS(static_cast<int>(pointers.size()), pointers.data(), MPI_COMM_WORLD);
+    lammps->screen = open_screen_ring(shared);
+  }
+  ~Impl() { delete lammps; }
+
+  void command(const std::string& line) { lammps->input->one(line.c_str()); }
+
+  /// LIGGGHTS reallocates and reorders its arrays: nothing of them may be kept between calls.
+  [[nodiscard]] std::size_t index(int atom) const {
+    return static_cast<std::size_t>(lammps->atom->tag[atom] - 1);
+  }
+  [[nodiscard]] int local_count() const { return lammps->atom->nlocal; }
+
+  [[nodiscard]] Vec3 gather(SharedArrays::Name first, std::size_t i) const {
+    return {memory.array(first)[i], memory.array(first + 1)[i], memory.array(first + 2)[i]};
+  }
+  void restore(double** field, SharedArrays::Name first) {
+    const auto x = memory.array(first), y = memory.array(first + 1), z = memory.array(first + 2);
+    for (int a = 0; a < local_count(); ++a) store3(field[a], {x[index(a)], y[index(a)], z[index(a)]});
+  }
+  /// Returns false when a value is not finite.
+  bool publish(double** field, SharedArrays::Name first) {
+    const auto x = memory.array(first), y = memory.array(first + 1), z = memory.array(first + 2);
+    double poison = 0;
+    for (int a = 0; a < local_count(); ++a) {
+      const std::size_t i = index(a);
+      x[i] = field[a][0];
+      y[i] = field[a][1];
+      z[i] = field[a][2];
+      poison += (x[i] - x[i]) + (y[i] - y[i]) + (z[i] - z[i]);
+    }
+    return poison == 0;
+  }
+
+  void publish_state();
+  void kick();
+  void set_step(double step);
+  void check_count();
+  void start();
+  static void callback(void* self, LAMMPS_NS::bigint, int count, int*, double**, double** external);
+
+  template <class Visit>
+  void for_each_contact(Visit&& visit);
+  [[nodiscard]] std::vector<double> property_of_types(const char* name);
+};
+
+void LiggghtsEngine::Impl::publish_state() {
+  const std::array<std::pair<double**, SharedArrays::Name>, 3> fields{
+      {{lammps->atom->x, SharedArrays::position_x},
+       {lammps->atom->v, SharedArrays::velocity_x},
+       {lammps->atom->omega, SharedArrays::spin_x}}};
+  const std::array<const char*, 3> names{"position", "velocity", "spin"};
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    if (publish(fields[f].first, fields[f].second) || !trouble.empty()) continue;
+    for (std::size_t i = 0; i < memory.grains(); ++i)
+      if (!gather(fields[f].second, i).allFinite()) {
+        trouble = fmt::format("the {} of grain {} is not finite", names[f], i);
+        break;
+      }
+  }
+}
+
+void LiggghtsEngine::Impl::kick() {
+  auto* atom = lammps->atom;
+  const double share = 1.0 / static_cast<double>(shared.substeps);  // even over the substeps
+  const double per_second = share / shared.step;
+  GrainLoad load;
+  load.gravity = load3(shared.gravity.data());
+  load.damping = shared.damping;
+  load.step = shared.step;
+  Vec3 received(0, 0, 0), scale(0, 0, 0);
+  double kinetic = 0, pair_work = 0, contact_work = 0, damping_work = 0;
+  for (int a = 0; a < atom->nlocal; ++a) {
+    const std::size_t i = index(a);
+    const double mass = atom->rmass[a], radius = atom->radius[a];
+    const GrainState grain{
+        load3(atom->v[a]),           load3(atom->omega[a]), load3(atom->f[a]), load3(atom->torque[a]), mass,
+        0.4 * mass * radius * radius};
+    load.contact_force = per_second * gather(SharedArrays::linear_x, i);
+    load.contact_torque = per_second * gather(SharedArrays::angular_x, i);
+    const GrainKick kick = kick_grain(grain, load);
+    store3(atom->f[a], grain.pair_force + kick.added_force);
+    store3(atom->torque[a], grain.pair_torque + kick.added_torque);
+    received += shared.step * load.contact_force;
+    scale += shared.step * load.contact_force.cwiseAbs();
+    kinetic += kick.kinetic;
+    pair_work += kick.pair_work;
+    contact_work += kick.contact_work;
+    damping_work += kick.damping_work;
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    shared.impulse_received[c] += received[static_cast<Eigen::Index>(c)];
+    shared.impulse_scale[c] += scale[static_cast<Eigen::Index>(c)];
+  }
+  shared.kinetic = kinetic;
+  shared.pair_work += shared.last_pair_work = pair_work;
+  shared.contact_work += shared.last_contact_work = contact_work;
+  shared.damping_work += shared.last_damping_work = damping_work;
+}
+
+/// x(t), v(t - dt/2), own forces at t: before the last substep's closing half kick they are published, before
+/// the others' the window's load is added.
+void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint, int count, int*, double**,
+                                    double** external) {
+  auto& engine = *static_cast<Impl*>(self);
+  for (int a = 0; a < count; ++a) std::fill_n(external[a], 3, 0.0);
+  if (!engine.stepping) return;
+  const auto start = Clock::now();
+  if (++engine.substep < engine.shared.substeps)
+    engine.kick();
+  else
+    engine.publish_state();
+  engine.callback_seconds += seconds_since(start);
+}
+
+void LiggghtsEngine::Impl::set_step(double step) {
+  if (step == lammps->update->dt) return;
+  lammps->update->update_time();
+  lammps->update->dt = step;
+  lammps->update->integrate->reset_dt();
+  lammps->force->pair->reset_dt();
+  for (int i = 0; i < lammps->modify->nfix; ++i) lammps->modify->fix[i]->reset_dt();
+}
+
+void LiggghtsEngine::Impl::check_count() {
+  if (static_cast<std::size_t>(local_count()) == memory.grains()) return;
+  std::vector<char> present(memory.grains(), 0);
+  for (int a = 0; a < local_count(); ++a) present[index(a)] = 1;
+  const auto lost = static_cast<std::size_t>(std::find(present.begin(), present.end(), 0) - present.begin());
+  if (lost == memory.grains())
+    throw std::runtime_error(fmt::format("{} grains became {}", memory.grains(), local_count()));
+  const Vec3 x = gather(SharedArrays::position_x, lost);
+  throw std::runtime_error(fmt::format(
+      "{} of {} grains left the box; grain {} was last seen at ({:.6g}, {:.6g}, {:.6g}) m",
+      memory.grains() - static_cast<std::size_t>(local_count()), memory.grains(), lost, x.x(), x.y(), x.z()));
+}
+
+/// First forces, from positions and velocities alone.
+void LiggghtsEngine::Impl::start() {
+  restore(lammps->atom->v, SharedArrays::velocity_x);
+  restore(lammps->atom->omega, SharedArrays::spin_x);
+  command("run 0 post no");
+  check_count();
+  started = true;
+}
+
+template <class Visit>
+void LiggghtsEngine::Impl::for_each_contact(Visit&& visit) {
+  auto* pair = dynamic_cast<LAMMPS_NS::PairGran*>(lammps->force->pair);
+  if (pair == nullptr || pair->list == nullptr)
+    throw std::runtime_error("LIGGGHTS has no granular neighbour list");
+  auto* atom = lammps->atom;
+  for (int k = 0; k < pair->list->inum; ++k) {
+    const int a = pair->list->ilist[k];
+    for (int n = 0; n < pair->list->numneigh[a]; ++n) {
+      const int b = pair->list->firstneigh[a][n] & NEIGHMASK;
+      const double* history =
+          pair->listgranhistory->firstdouble[a] + static_cast<std::ptrdiff_t>(pair->dnum()) * n;
+      visit(a, b, load3(atom->x[a]) - load3(atom->x[b]), history);
+    }
+  }
+}
+
+std::vector<double> LiggghtsEngine::Impl::property_of_types(const char* name) {
+  const int types = lammps->atom->ntypes;
+  auto* fix = dynamic_cast<LAMMPS_NS::FixPropertyGlobal*>(
+      lammps->modify->find_fix_property(name, "property/global", "peratomtype", types, 0, "liggghts_host"));
+  std::vector<double> values;
+  for (int t = 0; t < types; ++t) values.push_back(fix->compute_vector(t));
+  return values;
+}
+
+LiggghtsEngine::LiggghtsEngine(SharedMemory& memory) : impl_(std::make_unique<Impl>(memory)) {}
+LiggghtsEngine::~LiggghtsEngine() = default;
+
+void LiggghtsEngine::set_up(const std::string& commands) {
+  Impl& my = *impl_;
+  std::istringstream stream(commands);
+  for (std::string line; std::getline(stream, line);) my.command(line);
+  auto* coupling = dynamic_cast<LAMMPS_NS::FixExternal*>(my.lammps->modify->find_fix_id("coupling"));
+  if (coupling == nullptr) throw std::runtime_error("the commands define no `fix coupling all external`");
+  coupling->set_callback(&Impl::callback, &my);
+  my.command("run 0 post no");
+  my.check_count();
+  const auto mass = my.memory.array(SharedArrays::mass), radius = my.memory.array(SharedArrays::radius);
+  for (int a = 0; a < my.local_count(); ++a) {
+    mass[my.index(a)] = my.lammps->atom->rmass[a];
+    radius[my.index(a)] = my.lammps->atom->radius[a];
+  }
+}
+
+void LiggghtsEngine::resume() {
+  Impl& my = *impl_;
+  my.set_step(my.shared.step);
+  my.restore(my.lammps->atom->f, SharedArrays::linear_x);
+  my.restore(my.lammps->atom->torque, SharedArrays::angular_x);
+  my.started = true;
+}
+
+void LiggghtsEngine::advance() {
+  Impl& my = *impl_;
+  auto* atom = my.lammps->atom;
+  const auto begin = Clock::now();
+  my.set_step(my.shared.step);
+  if (!my.started) my.start();
+  const auto kicking = Clock::now();
+  my.shared.impulse_received = {};
+  my.shared.impulse_scale = {};
+  my.restore(atom->v, SharedArrays::velocity_x);
+  my.restore(atom->omega, SharedArrays::spin_x);
+  my.kick();
+  const double kick_seconds = seconds_since(kicking);
+  my.lammps->modify->final_integrate();
+
+  my.stepping = true;
+  my.substep = 0;
+  my.callback_seconds = 0;
+  my.command(fmt::format("run {} pre no post no", my.shared.substeps));
+  my.stepping = false;
+  my.shared.copy_seconds = kick_seconds + my.callback_seconds;
+  my.shared.run_seconds = seconds_since(begin) - my.shared.copy_seconds;
+  if (!my.trouble.empty()) throw std::runtime_error(my.trouble);
+  my.check_count();
+}
+
+/// Elastic energy of all contacts where the last kick was made (positions moved back by one step); the
+/// springs' elongations are those of the present positions.
+void LiggghtsEngine::compute_stored_energy() {
+  Impl& my = *impl_;
+  auto* atom = my.lammps->atom;
+  const auto young = my.property_of_types("youngsModulus"), poisson = my.property_of_types("poissonsRatio");
+  const double back = my.started ? my.shared.step : 0;
+  double energy = 0;
+  my.for_each_contact([&](int a, int b, const Vec3& distance, const double* history) {
+    const Vec3 relative =
+        my.gather(SharedArrays::velocity_x, my.index(a)) - my.gather(SharedArrays::velocity_x, my.index(b));
+    const double sum = atom->radius[a] + atom->radius[b];
+    const double before = sum - (distance - back * relative).norm();
+    const double now = sum - distance.norm();
+    const double radius = atom->radius[a] * atom->radius[b] / sum;
+    const auto s = static_cast<std::size_t>(atom->type[a] - 1),
+               t = static_cast<std::size_t>(atom->type[b] - 1);
+    if (before > 0)
+      energy +=
+          normal_energy(effective_young_modulus(young[s], poisson[s], young[t], poisson[t]), radius, before);
+    if (now <= 0) return;
+    const double stiffness = tangential_stiffness(
+        effective_shear_modulus(young[s], poisson[s], young[t], poisson[t]), radius, now);
+    energy += 0.5 * stiffness * load3(history).squaredNorm();
+    if (static_cast<LAMMPS_NS::PairGran*>(my.lammps->force->pair)->dnum() >= 6)
+      energy += 0.5 * load3(history + 3).squaredNorm() / (stiffness * radius * radius);
+  });
+  my.shared.stored_energy = energy;
+}
+
+void LiggghtsEngine::compute_contacts() {
+  Impl& my = *impl_;
+  auto* atom = my.lammps->atom;
+  const auto coordination = my.memory.array(SharedArrays::coordination);
+  std::fill(coordination.begin(), coordination.end(), 0.0);
+  std::vector<double> overlaps;
+  my.for_each_contact([&](int a, int b, const Vec3& distance, const double*) {
+    const double overlap = atom->radius[a] + atom->radius[b] - distance.norm();
+    if (overlap <= 0) return;
+    overlaps.push_back(overlap / std::min(atom->radius[a], atom->radius[b]));
+    coordination[my.index(a)] += 1;
+    coordination[my.index(b)] += 1;
+  });
+  std::sort(overlaps.begin(), overlaps.end());
+  double sum = 0;
+  for (double overlap : overlaps) sum += overlap;
+  const std::size_t count = overlaps.size();
+  my.shared.contacts = count;
+  my.shared.overlap_mean = count == 0 ? 0 : sum / static_cast<double>(count);
+  my.shared.overlap_percentile_99 = count == 0 ? 0 : overlaps[(count - 1) * 99 / 100];
+  my.shared.overlap_largest = count == 0 ? 0 : overlaps.back();
+}
+
+/// Writing a restart file alone would let this run and one resumed from the file part in the order of their
+/// sums; the set-up after it (`run 0`) brings both to the same order. It evaluates the forces anew without
+/// advancing the springs, which is a slightly different force: so the old ones are put back, here and after
+/// reading.
+void LiggghtsEngine::save(const std::string& restart_file) {
+  Impl& my = *impl_;
+  my.publish(my.lammps->atom->f, SharedArrays::linear_x);
+  my.publish(my.lammps->atom->torque, SharedArrays::angular_x);
+  my.command("write_restart " + restart_file);
+  my.command("run 0 post no");
+  my.check_count();
+  my.restore(my.lammps->atom->f, SharedArrays::linear_x);
+  my.restore(my.lammps->atom->torque, SharedArrays::angular_x);
+}
+
+}  // namespace tuft::dem

@@ -1,0 +1,39 @@
+#pragma once
+/// LIGGGHTS as the bridge needs it. The implementation is the only place that sees LIGGGHTS' headers.
+///
+/// State between windows: LIGGGHTS has just evaluated the grains' own forces f(t) at x(t), and has made its
+/// closing half kick with them. The shared memory holds v(t - dt/2), read in LIGGGHTS' callback before that
+/// half kick. `advance` puts v(t - dt/2) back, adds to the forces what the driver sends, and makes the
+/// closing half kick again, now under all forces: so the forces of the window act at t, without lag, and the
+/// exchange still happens outside LIGGGHTS' run, where a restart file may be written at any window.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "dem_bridge/shared_memory.h"
+
+namespace tuft::dem {
+
+class LiggghtsEngine {
+ public:
+  /// LIGGGHTS' own errors end the process (its words are in the shared memory); those of the bridge are
+  /// thrown as std::runtime_error by all functions below.
+  explicit LiggghtsEngine(SharedMemory& memory);
+  ~LiggghtsEngine();
+  LiggghtsEngine(const LiggghtsEngine&) = delete;
+  LiggghtsEngine& operator=(const LiggghtsEngine&) = delete;
+
+  void set_up(const std::string& commands);
+  /// After `set_up` from a restart file.
+  void resume();
+  void advance();
+  void compute_stored_energy();
+  void compute_contacts();
+  void save(const std::string& restart_file);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tuft::dem

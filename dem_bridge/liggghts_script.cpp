@@ -1,0 +1,152 @@
+#include "dem_bridge/liggghts_script.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+
+#include "core/error.h"
+
+namespace tuft::dem {
+namespace {
+
+/// LIGGGHTS refuses moduli outside 5 MPa ... 1 GPa unless told that they are meant.
+constexpr double soft_limit = 5e6, hard_limit = 1e9;  // Pa
+
+/// Distance a pair may close before the neighbour list is built again, as a share of the smallest radius:
+/// a larger skin means fewer builds and more pairs to look at in each step.
+constexpr double skin_share = 0.25;
+
+std::string per_type(const char* id, const char* property, std::size_t types,
+                     const std::function<double(std::size_t)>& value) {
+  std::string line = fmt::format("fix {} all property/global {} peratomtype", id, property);
+  for (std::size_t i = 0; i < types; ++i) line += fmt::format(" {:.17g}", value(i));
+  return line + "\n";
+}
+
+std::string per_pair(const char* id, const char* property, std::size_t types,
+                     const std::function<double(std::size_t, std::size_t)>& value) {
+  std::string line = fmt::format("fix {} all property/global {} peratomtypepair {}", id, property, types);
+  for (std::size_t i = 0; i < types; ++i)
+    for (std::size_t j = 0; j < types; ++j) line += fmt::format(" {:.17g}", value(i, j));
+  return line + "\n";
+}
+
+/// Friction of two materials: as given for the pair, else the mean of the two.
+double pair_friction(const DemOptions& options, const std::vector<Material>& materials, Index a, Index b) {
+  for (const GrainPairFriction& pair : options.pairs)
+    if ((pair.materials[0] == a && pair.materials[1] == b) ||
+        (pair.materials[0] == b && pair.materials[1] == a))
+      return pair.friction;
+  return 0.5 * (materials[a].grain->friction + materials[b].grain->friction);
+}
+
+}  // namespace
+
+std::vector<Index> used_materials(const Grains& grains) {
+  std::vector<Index> used = grains.material;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  return used;
+}
+
+void check_grains(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings) {
+  const std::size_t count = grains.size();
+  if (count == 0)
+    throw_input_error("DEM infill: there is not a single grain; give the turf layers of infill");
+  if (grains.position.size() != count || grains.density.size() != count || grains.layer.size() != count ||
+      grains.material.size() != count)
+    throw_input_error("DEM infill: {} radii but {} positions, {} densities, {} layers, {} materials", count,
+                      grains.position.size(), grains.density.size(), grains.layer.size(),
+                      grains.material.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Index m = grains.material[i];
+    if (m < 0 || m >= static_cast<Index>(materials.size()) || !materials[m].grain)
+      throw_input_error(
+          "DEM infill: material {} of grain {} has no grain properties; give it a [grain] block", m, i);
+    const Vec3 x = grains.position[i];
+    if (!x.allFinite() || !(grains.radius[i] > 0) || !(grains.density[i] > 0) ||
+        !std::isfinite(grains.radius[i]) || !std::isfinite(grains.density[i]))
+      throw_input_error(
+          "DEM infill: grain {} has position ({}, {}, {}) m, radius {} m, density {} kg/m^3; all must be "
+          "finite, the last two positive",
+          i, x.x(), x.y(), x.z(), grains.radius[i], grains.density[i]);
+    if ((x.array() < settings.box[0].array()).any() || (x.array() >= settings.box[1].array()).any())
+      throw_input_error(
+          "DEM infill: grain {} at ({}, {}, {}) m is outside LIGGGHTS' box ({}, {}, {}) to ({}, {}, {}) m; "
+          "enlarge the box",
+          i, x.x(), x.y(), x.z(), settings.box[0].x(), settings.box[0].y(), settings.box[0].z(),
+          settings.box[1].x(), settings.box[1].y(), settings.box[1].z());
+  }
+}
+
+void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
+                     const std::array<Vec3, 2>& box) {
+  std::FILE* stream = std::fopen(file.c_str(), "w");
+  if (stream == nullptr) throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
+  std::fprintf(stream, "grains\n\n%zu atoms\n%zu atom types\n\n", grains.size(), used.size());
+  const char* axes = "xyz";
+  for (int a = 0; a < 3; ++a)
+    std::fprintf(stream, "%.17g %.17g %clo %chi\n", box[0][a], box[1][a], axes[a], axes[a]);
+  std::fprintf(stream, "\nAtoms\n\n");
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const auto type = std::lower_bound(used.begin(), used.end(), grains.material[i]) - used.begin() + 1;
+    std::fprintf(stream, "%zu %td %.17g %.17g %.17g %.17g %.17g\n", i + 1, type, 2 * grains.radius[i],
+                 grains.density[i], grains.position.x[i], grains.position.y[i], grains.position.z[i]);
+  }
+  const bool bad = std::ferror(stream) != 0;
+  if (std::fclose(stream) != 0 || bad)
+    throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
+}
+
+std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
+                            const std::vector<Material>& materials, const DemSettings& settings,
+                            double smallest_radius, double step) {
+  const std::size_t types = used.size();
+  const auto grain = [&](std::size_t type) -> const GrainMaterial& { return *materials[used[type]].grain; };
+  bool soft = false, hard = false;
+  for (std::size_t i = 0; i < types; ++i) {
+    soft |= grain(i).young_modulus < soft_limit;
+    hard |= grain(i).young_modulus > hard_limit;
+  }
+  std::string text;
+  if (soft) text += "soft_particles yes\n";
+  if (hard) text += "hard_particles yes\n";
+  text +=
+      "units si\n"
+      "atom_style granular\n"
+      "atom_modify map array\n"
+      "boundary f f f\n"
+      "newton off\n"
+      "communicate single vel yes\n";
+  text += source + "\n";
+  text += fmt::format("neighbor {:.17g} bin\n", skin_share * smallest_radius);
+  text += "neigh_modify delay 0 every 1 check yes\n";
+  text += per_type("young_modulus", "youngsModulus", types, [&](auto i) { return grain(i).young_modulus; });
+  text += per_type("poisson_ratio", "poissonsRatio", types, [&](auto i) { return grain(i).poisson_ratio; });
+  text += per_pair("restitution", "coefficientRestitution", types,
+                   [&](auto i, auto j) { return 0.5 * (grain(i).restitution + grain(j).restitution); });
+  text += per_pair("friction", "coefficientFriction", types, [&](auto i, auto j) {
+    return i == j ? grain(i).friction : pair_friction(settings.options, materials, used[i], used[j]);
+  });
+  std::string model = "pair_style gran model hertz tangential history";
+  if (settings.rolling_resistance) {
+    text += per_pair("rolling_friction", "coefficientRollingFriction", types, [&](auto i, auto j) {
+      return 0.5 * (grain(i).rolling_friction + grain(j).rolling_friction);
+    });
+    model += " rolling_friction epsd2";
+  }
+  text += model + "\npair_coeff * *\n";
+  text += fmt::format("timestep {:.17g}\n", step);
+  text +=
+      "fix integrate all nve/sphere\n"
+      "fix coupling all external pf/callback 1 1\n"
+      "thermo_style custom step\n"
+      "thermo 1000000000\n"
+      "thermo_modify lost ignore\n";
+  return text;
+}
+
+}  // namespace tuft::dem

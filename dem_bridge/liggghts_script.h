@@ -1,0 +1,29 @@
+#pragma once
+/// The LIGGGHTS commands and the data file that set up a simulation of grains.
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dem_bridge/dem_infill.h"
+
+namespace tuft::dem {
+
+/// Materials that occur among the grains, sorted; LIGGGHTS' atom type is the place in this list plus 1.
+[[nodiscard]] std::vector<Index> used_materials(const Grains& grains);
+
+/// Checks what LIGGGHTS would otherwise choke on: every grain inside the box, positive radius and density,
+/// finite position, material with grain properties. Throws InputError naming the grain or material.
+void check_grains(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings);
+
+/// Writes a `read_data` file (atom style granular). Numbers have 17 digits and read back to the same bits.
+void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
+                     const std::array<Vec3, 2>& box);
+
+/// All commands, one a line. `source` is "read_data FILE" or "read_restart FILE"; the rest must be the same
+/// for both, because LIGGGHTS hands a restart file's history back by the ids of fixes.
+[[nodiscard]] std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
+                                          const std::vector<Material>& materials, const DemSettings& settings,
+                                          double smallest_radius, double step);
+
+}  // namespace tuft::dem

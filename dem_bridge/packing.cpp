@@ -1,0 +1,148 @@
+/// Grains for a turf: how many of which size in each layer, and where.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "core/error.h"
+#include "dem_bridge/dem_infill.h"
+#include "dem_bridge/packing_relaxation.h"
+
+namespace tuft::dem {
+namespace {
+
+constexpr int sweeps = 400;
+/// Spheres of unlike sizes pack at random to 0.64-0.68; above this a slab is made higher instead.
+constexpr double densest_fraction = 0.62;
+
+double sphere_mass(double diameter, double density) {
+  return std::numbers::pi / 6 * diameter * diameter * diameter * density;
+}
+
+/// Uniform in [0, 1), the same on every platform (the standard's distributions are not).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double operator()() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double between(double low, double high) { return low + (high - low) * (*this)(); }
+  std::size_t below(std::size_t count) {
+    return static_cast<std::size_t>((*this)() * static_cast<double>(count));
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+struct Grain {
+  double radius;
+  Index material;
+};
+
+struct Sizes {
+  double smallest, largest;  ///< m, diameters after coarse graining
+};
+
+Sizes sizes_of(const Material& material, const DemOptions& options) {
+  const auto own = options.material_coarse_graining.find(material.name);
+  const double factor = own == options.material_coarse_graining.end() ? options.coarse_graining : own->second;
+  const GrainMaterial& grain = *material.grain;
+  if (!(factor >= 1) || !(grain.diameter_min > 0) || !(grain.diameter_max >= grain.diameter_min))
+    throw_input_error(
+        "packing: grain material {} has diameters {} to {} m and coarse graining {}; diameters must be "
+        "positive and rising, coarse graining 1 or more",
+        material.name, grain.diameter_min, grain.diameter_max, factor);
+  return {factor * grain.diameter_min, factor * grain.diameter_max};
+}
+
+/// Diameters uniform in number between the two, until the mass is reached. The last grain is as large as what
+/// is missing; a remainder under half of the smallest grain is left out: so the error is under half a grain.
+void draw_grains(double mass, const Sizes& sizes, double density, Index material, Random& random,
+                 std::vector<Grain>& grains) {
+  double missing = mass;
+  while (missing >= 0.5 * sphere_mass(sizes.smallest, density)) {
+    double diameter = random.between(sizes.smallest, sizes.largest);
+    if (sphere_mass(diameter, density) > missing)
+      diameter = std::max(sizes.smallest, std::cbrt(6 * missing / (std::numbers::pi * density)));
+    grains.push_back({0.5 * diameter, material});
+    missing -= sphere_mass(diameter, density);
+  }
+}
+
+void check_request(const PackingRequest& request) {
+  if (request.turf == nullptr || request.materials == nullptr || request.options == nullptr)
+    throw_input_error("packing: turf, materials and options must be given");
+  if (!(request.size[0] > 0) || !(request.size[1] > 0))
+    throw_input_error("packing: the patch is {} x {} m; both must be positive", request.size[0],
+                      request.size[1]);
+}
+
+/// All grains of one layer in random order.
+std::vector<Grain> draw_layer(const PackingRequest& request, const Layer& layer, Random& random) {
+  const std::vector<Material>& materials = *request.materials;
+  const Material& of_layer = materials[layer.material];
+  if (of_layer.grain_shares.empty() || !(of_layer.bulk_density > 0))
+    throw_input_error(
+        "packing: material {} has no grains or no bulk density; give it grain_shares and bulk_density, or "
+        "use infill.approach = \"sph\"",
+        of_layer.name);
+  const double mass = of_layer.bulk_density * request.size[0] * request.size[1] * layer.depth;
+  std::vector<Grain> grains;
+  for (const GrainShare& share : of_layer.grain_shares) {
+    const Material& material = materials[share.material];
+    if (!material.grain)
+      throw_input_error("packing: material {} of {} has no [grain] block", material.name, of_layer.name);
+    const Sizes sizes = sizes_of(material, *request.options);
+    if (sizes.largest > std::min(request.size[0], request.size[1]))
+      throw_input_error(
+          "packing: grains of {} are up to {} m wide, the patch is {} x {} m; take a larger patch or less "
+          "coarse graining",
+          material.name, sizes.largest, request.size[0], request.size[1]);
+    draw_grains(share.mass_fraction * mass, sizes, material.grain->density, share.material, random, grains);
+  }
+  for (std::size_t i = grains.size(); i > 1; --i) std::swap(grains[i - 1], grains[random.below(i)]);
+  return grains;
+}
+
+/// Height of a layer's slab: its depth, or more when its grains would be packed too densely in it.
+double slab_height(const std::vector<Grain>& grains, const Layer& layer, const std::array<double, 2>& size) {
+  double volume = 0;
+  for (const Grain& grain : grains) volume += sphere_mass(2 * grain.radius, 1.0);
+  return std::max(layer.depth, volume / (densest_fraction * size[0] * size[1]));
+}
+
+}  // namespace
+
+Grains pack_grains(const PackingRequest& request) {
+  check_request(request);
+  Random random(request.seed);
+  Grains packed;
+  LooseSpheres spheres;
+  double low = request.floor;
+  for (std::size_t l = 0; l < request.turf->layers.size(); ++l) {
+    const Layer& layer = request.turf->layers[l];
+    const std::vector<Grain> grains = draw_layer(request, layer, random);
+    const double high = low + slab_height(grains, layer, request.size);
+    for (const Grain& grain : grains) {
+      const double x = 0.5 * request.size[0] - grain.radius, y = 0.5 * request.size[1] - grain.radius;
+      const double bottom = low + grain.radius, top = std::max(bottom, high - grain.radius);
+      // One after the other: the order in which a call's arguments are evaluated is not fixed.
+      const double px = random.between(-x, x), py = random.between(-y, y), pz = random.between(bottom, top);
+      spheres.position.push_back({px, py, pz});
+      spheres.radius.push_back(grain.radius);
+      spheres.low.push_back(low);
+      spheres.high.push_back(high);
+      packed.density.push_back((*request.materials)[grain.material].grain->density);
+      packed.layer.push_back(static_cast<Index>(l));
+      packed.material.push_back(grain.material);
+    }
+    low = high;
+  }
+  const PackingBox box{{0.5 * request.size[0], 0.5 * request.size[1]}, request.floor, low};
+  push_apart(spheres, box, request.obstacles, sweeps);
+  packed.position = std::move(spheres.position);
+  packed.radius = std::move(spheres.radius);
+  return packed;
+}
+
+}  // namespace tuft::dem

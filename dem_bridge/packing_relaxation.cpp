@@ -1,0 +1,184 @@
+#include "dem_bridge/packing_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+
+namespace tuft::dem {
+namespace {
+
+constexpr double pair_share =
+    0.8;  ///< of an overlap, removed in one sweep; 1 rings where a sphere has many contacts
+constexpr double skin_share =
+    0.3;  ///< of the mean radius: how far spheres may move before lists are made again
+
+/// A regular grid of cells over the box, with items sorted by cell.
+class CellGrid {
+ public:
+  CellGrid(const PackingBox& box, double side) {
+    low_ = {-box.half_size[0], -box.half_size[1], box.floor};
+    const std::array<double, 3> length{2 * box.half_size[0], 2 * box.half_size[1], box.lid - box.floor};
+    for (std::size_t c = 0; c < 3; ++c) {
+      count_[c] = std::max(1, static_cast<int>(length[c] / side));
+      inverse_[c] = count_[c] / std::max(length[c], 1e-300);
+    }
+  }
+  [[nodiscard]] int coordinate(double x, std::size_t c) const {
+    return std::clamp(static_cast<int>((x - low_[c]) * inverse_[c]), 0, count_[c] - 1);
+  }
+  [[nodiscard]] std::array<int, 3> place(const Vec3& x) const {
+    return {coordinate(x.x(), 0), coordinate(x.y(), 1), coordinate(x.z(), 2)};
+  }
+  [[nodiscard]] std::size_t cells() const {
+    return static_cast<std::size_t>(count_[0]) * count_[1] * count_[2];
+  }
+  [[nodiscard]] std::size_t cell(int i, int j, int k) const {
+    return (static_cast<std::size_t>(k) * count_[1] + j) * count_[0] + i;
+  }
+  /// Calls body(cell) for the cells from `from` to `to`, cut at the grid's edges.
+  template <class Body>
+  void for_cells(std::array<int, 3> from, std::array<int, 3> to, Body&& body) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+      from[c] = std::max(from[c], 0);
+      to[c] = std::min(to[c], count_[c] - 1);
+    }
+    for (int k = from[2]; k <= to[2]; ++k)
+      for (int j = from[1]; j <= to[1]; ++j)
+        for (int i = from[0]; i <= to[0]; ++i) body(cell(i, j, k));
+  }
+
+ private:
+  std::array<double, 3> low_{}, inverse_{};
+  std::array<int, 3> count_{};
+};
+
+using Lists = std::vector<std::vector<int>>;
+
+struct Neighbours {
+  Lists spheres, obstacles;  ///< by sphere, in ascending order
+};
+
+Neighbours find_neighbours(const LooseSpheres& spheres, const PackingBox& box,
+                           std::span<const ThinQuad> obstacles, double skin) {
+  const std::size_t count = spheres.radius.size();
+  const double largest = *std::max_element(spheres.radius.begin(), spheres.radius.end());
+  const CellGrid grid(box, 2 * largest + skin);
+  Lists in_cell(grid.cells()), quads_in_cell(grid.cells());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [a, b, c] = grid.place(spheres.position[i]);
+    in_cell[grid.cell(a, b, c)].push_back(static_cast<int>(i));
+  }
+  for (std::size_t q = 0; q < obstacles.size(); ++q) {
+    Vec3 low = obstacles[q].corner[0], high = low;
+    for (const Vec3& corner : obstacles[q].corner) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+    const Vec3 reach = Vec3::Constant(obstacles[q].half_thickness + largest + skin);
+    grid.for_cells(grid.place(low - reach), grid.place(high + reach),
+                   [&](std::size_t cell) { quads_in_cell[cell].push_back(static_cast<int>(q)); });
+  }
+  Neighbours found{Lists(count), Lists(count)};
+  parallel_for(count, [&](std::size_t i) {
+    const Vec3 x = spheres.position[i];
+    const auto [a, b, c] = grid.place(x);
+    auto& near = found.spheres[i];
+    grid.for_cells({a - 1, b - 1, c - 1}, {a + 1, b + 1, c + 1}, [&](std::size_t cell) {
+      for (int j : in_cell[cell]) {
+        const auto other = static_cast<std::size_t>(j);
+        const double reach = spheres.radius[i] + spheres.radius[other] + skin;
+        if (other != i && (x - spheres.position[other]).squaredNorm() < reach * reach) near.push_back(j);
+      }
+    });
+    std::sort(near.begin(), near.end());
+    for (int q : quads_in_cell[grid.cell(a, b, c)]) {
+      const ThinQuad& quad = obstacles[static_cast<std::size_t>(q)];
+      const double reach = spheres.radius[i] + quad.half_thickness + skin;
+      if (closest_point_on_facet(x, quad.corner).distance_squared < reach * reach)
+        found.obstacles[i].push_back(q);
+    }
+  });
+  return found;
+}
+
+/// Shift of sphere i that takes its share of every overlap with others.
+Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, const std::vector<int>& near) {
+  Vec3 shift(0, 0, 0);
+  const Vec3 x = spheres.position[i];
+  for (int j : near) {
+    const auto other = static_cast<std::size_t>(j);
+    const Vec3 apart = x - spheres.position[other];
+    const double sum = spheres.radius[i] + spheres.radius[other];
+    const double squared = apart.squaredNorm();
+    if (squared >= sum * sum) continue;
+    const double distance = std::sqrt(squared);
+    // Two centres in one place part along an axis that depends on their order only.
+    const Vec3 direction = distance > 1e-12 * sum ? Vec3(apart / distance) : Vec3(0, 0, i < other ? -1 : 1);
+    shift += pair_share * spheres.radius[other] / sum * (sum - distance) * direction;
+  }
+  return shift;
+}
+
+Vec3 shift_from_obstacles(const Vec3& x, double radius, std::span<const ThinQuad> obstacles,
+                          const std::vector<int>& near) {
+  Vec3 shift(0, 0, 0);
+  for (int q : near) {
+    const ThinQuad& quad = obstacles[static_cast<std::size_t>(q)];
+    const FacetPoint closest = closest_point_on_facet(x, quad.corner);
+    const double reach = radius + quad.half_thickness, distance = std::sqrt(closest.distance_squared);
+    if (distance >= reach) continue;
+    Vec3 direction = x - closest.point;
+    if (distance > 1e-12 * reach)
+      direction /= distance;
+    else
+      direction = (quad.corner[2] - quad.corner[0]).cross(quad.corner[3] - quad.corner[1]).normalized();
+    // Facets of one fibre share edges and push alike: the largest push in a direction counts, not their sum.
+    const double wanted = reach - distance - shift.dot(direction);
+    if (wanted > 0) shift += wanted * direction;
+  }
+  return shift;
+}
+
+double clamp_between(double x, double low, double high) {
+  return low > high ? 0.5 * (low + high) : std::clamp(x, low, high);
+}
+
+}  // namespace
+
+void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,
+                int sweeps) {
+  const std::size_t count = spheres.radius.size();
+  if (count == 0) return;
+  double mean = 0;
+  for (double radius : spheres.radius) mean += radius / static_cast<double>(count);
+  const double skin = skin_share * mean;
+  Neighbours near;
+  Vec3Array listed, next = spheres.position;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    bool renew = sweep == 0;
+    for (std::size_t i = 0; i < count && !renew; ++i)
+      renew = (spheres.position[i] - listed[i]).squaredNorm() > 0.25 * skin * skin;
+    if (renew) {
+      near = find_neighbours(spheres, box, obstacles, skin);
+      listed = spheres.position;
+    }
+    const bool in_slabs = sweep < sweeps / 2;
+    parallel_for(count, [&](std::size_t i) {
+      const double radius = spheres.radius[i];
+      Vec3 x = spheres.position[i] + shift_from_spheres(spheres, i, near.spheres[i]);
+      x += shift_from_obstacles(x, radius, obstacles, near.obstacles[i]);
+      for (int c = 0; c < 2; ++c) {
+        const double limit = box.half_size[static_cast<std::size_t>(c)] - radius;
+        x[c] = clamp_between(x[c], -limit, limit);
+      }
+      const double low = in_slabs ? spheres.low[i] : box.floor, high = in_slabs ? spheres.high[i] : box.lid;
+      x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box.floor + radius);
+      next.set(i, x);
+    });
+    std::swap(spheres.position, next);
+  }
+}
+
+}  // namespace tuft::dem

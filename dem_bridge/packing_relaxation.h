@@ -1,0 +1,30 @@
+#pragma once
+/// Pushing spheres apart until they hardly overlap: geometry only, no forces, no time.
+#include <array>
+#include <span>
+#include <vector>
+
+#include "dem_bridge/dem_infill.h"
+
+namespace tuft::dem {
+
+struct PackingBox {
+  std::array<double, 2> half_size{};  ///< m, walls at +-half_size in x and y
+  double floor = 0, lid = 0;          ///< m
+};
+
+/// Spheres with the slab [low, high] (m) each is kept in at first.
+struct LooseSpheres {
+  Vec3Array position;
+  std::vector<double> radius, low, high;
+};
+
+/// Moves the spheres in `sweeps` sweeps. Each sweep shifts every sphere by a share of its overlaps with
+/// others (the smaller sphere of a pair gives way more) and out of obstacles, then clamps it between the
+/// walls: so walls, floor and lid are never crossed. During the first half of the sweeps spheres stay in
+/// their slab, then only floor and lid hold them. Deterministic for any number of threads (every sphere
+/// gathers its own shift).
+void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,
+                int sweeps);
+
+}  // namespace tuft::dem

@@ -1,0 +1,70 @@
+#include "dem_bridge/scratch_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace tuft::dem {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* prefix = "tuft-dem-";
+
+/// Takes the lock of a folder without waiting; -1 when someone holds it or there is none.
+int take_lock(const fs::path& folder, int flags) {
+  const int descriptor = ::open((folder / "lock").c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
+  if (descriptor < 0) return -1;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+/// The kernel lets go of a lock when its holder dies, so a folder whose lock is free belongs to nobody. A
+/// folder without a lock file may be one that is being made just now: it is left alone.
+void remove_stale_folders(const fs::path& temporary) {
+  std::error_code ignored;
+  for (const auto& entry :
+       fs::directory_iterator(temporary, fs::directory_options::skip_permission_denied, ignored)) {
+    if (!entry.path().filename().string().starts_with(prefix)) continue;
+    struct stat status {};
+    if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
+        status.st_uid != ::getuid())
+      continue;
+    const int lock = take_lock(entry.path(), 0);
+    if (lock < 0) continue;
+    fs::remove_all(entry.path(), ignored);
+    ::close(lock);
+  }
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder() {
+  std::error_code failure;
+  fs::path temporary = fs::temp_directory_path(failure);
+  // A socket's path holds 107 characters at most; a deep TMPDIR would not fit.
+  if (failure || temporary.string().size() > 80) temporary = "/tmp";
+  remove_stale_folders(temporary);
+  std::string pattern = (temporary / (std::string(prefix) + "XXXXXX")).string();
+  if (::mkdtemp(pattern.data()) == nullptr)
+    throw_run_error("no folder can be made in {}: {}; set TMPDIR to a folder that can be written",
+                    temporary.string(), std::strerror(errno));
+  path_ = pattern;
+  lock_ = take_lock(path_, O_CREAT);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+}  // namespace tuft::dem
