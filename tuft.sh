@@ -85,7 +85,7 @@ demo() {
   # shellcheck disable=SC2064
   trap "[[ ! -d '$out' ]] || touch '$mark'" EXIT
   cd "$root"
-  "$build/app/tuft" compare inputs/clegg_small.toml --out out/demo
+  "$build/bin/tuft" compare inputs/clegg_small.toml --out out/demo
   echo
   echo "The report: $out/report.html"
 }
@@ -100,7 +100,7 @@ bench() {
   fi
   (($# == 0)) || fail "bench takes --json FILE only, not: $*"
   build
-  "$build/bench/bench_driver" --programs "$build/bench" --tuft "$build/app/tuft" \
+  "$build/bin/bench_driver" --programs "$build/bin" --tuft "$build/bin/tuft" \
     --scene "$root/inputs/clegg_small.toml" ${json:+--json "$json"}
 }
 
@@ -115,7 +115,7 @@ case $verb in
   demo) build; demo ;;
   *)
     # Relative paths among the arguments are the caller's, so the program starts where the caller is.
-    [[ -x $build/app/tuft ]] || (build >&2)
-    exec "$build/app/tuft" "$@"
+    [[ -x $build/bin/tuft ]] || (build >&2)
+    exec "$build/bin/tuft" "$@"
     ;;
 esac
