@@ -22,7 +22,7 @@ struct ShellMesh {
   /// surface at its nearest point only.
   std::vector<Index> surface;
   std::vector<std::uint8_t> clamped;          ///< per node: all six degrees of freedom fixed
-  Index surface_count = 0;
+  Index surface_count = 0;                    ///< backing included: surfaces are 0 .. surface_count - 1
 
   static constexpr Index backing_surface = 0;
 };
@@ -42,7 +42,9 @@ struct CarpetOptions {
   double hourglass_coefficient = 0.05;
   double damping = 0;                  ///< 1/s, mass-proportional
   Vec3 gravity{0, 0, -9.81};           ///< m/s^2
-  int thickness_points = 3;            ///< through the thickness, 1 to 5
+  /// Through the thickness, 1 to 5. 2 to 5: Gauss points, each with its own stress. 1: stress resultants integrated
+  /// exactly, which the elastic law allows (bending included; the same results as 2 to 5 to rounding, at the lowest cost).
+  int thickness_points = 3;
 };
 
 /// Energies, J, as of the last force evaluation with kinetic energy centred there (see core/infill.h).

@@ -1,0 +1,129 @@
+#include <numeric>
+#include <string_view>
+
+#include "core/error.h"
+#include "fe_carpet/carpet_impl.h"
+
+namespace tuft::fe {
+namespace {
+
+void write_vectors(h5::Group& group, const std::string& name, const Vec3Array& values) {
+  group.write(name + "_x", values.x);
+  group.write(name + "_y", values.y);
+  group.write(name + "_z", values.z);
+}
+
+std::vector<double> read_sized(const h5::Group& group, const std::string& name, std::size_t count) {
+  std::vector<double> values = group.read_doubles(name);
+  if (values.size() != count)
+    throw_input_error(
+        "checkpoint of the carpet: {} has {} values, the scene's carpet needs {}; it belongs to another "
+        "scene",
+        name, values.size(), count);
+  return values;
+}
+
+Vec3Array read_vectors(const h5::Group& group, const std::string& name, std::size_t count) {
+  return {read_sized(group, name + "_x", count), read_sized(group, name + "_y", count),
+          read_sized(group, name + "_z", count)};
+}
+
+/// Element by element, so that a checkpoint does not depend on the width of the processor's vectors.
+std::vector<double> unpack_state(const ElementArrays& elements) {
+  const std::size_t values = state_values(elements.thickness_points);
+  std::vector<double> flat;
+  flat.reserve(elements.element_count * values);
+  for (const Index slot_index : elements.slot) {
+    const auto slot = static_cast<std::size_t>(slot_index);
+    for (std::size_t v = 0; v < values; ++v)
+      flat.push_back(elements.state[(slot / lanes * values + v) * lanes + slot % lanes]);
+  }
+  return flat;
+}
+
+void pack_state(const std::vector<double>& flat, ElementArrays& elements) {
+  const std::size_t values = state_values(elements.thickness_points);
+  for (std::size_t e = 0; e < elements.element_count; ++e) {
+    const auto slot = static_cast<std::size_t>(elements.slot[e]);
+    for (std::size_t v = 0; v < values; ++v)
+      elements.state[(slot / lanes * values + v) * lanes + slot % lanes] = flat[e * values + v];
+  }
+}
+
+/// Block sums keep their blocks, for the same last bits; from a processor of another vector width the total
+/// is kept.
+void restore_block_sums(const std::vector<double>& saved, std::vector<double>& blocks) {
+  if (saved.size() == blocks.size()) {
+    blocks = saved;
+    return;
+  }
+  std::fill(blocks.begin(), blocks.end(), 0.0);
+  blocks.front() = std::accumulate(saved.begin(), saved.end(), 0.0);
+}
+
+constexpr std::size_t sums_width = 11;
+
+std::vector<double> flatten(const std::vector<NodeSums>& sums) {
+  std::vector<double> flat;
+  for (const NodeSums& s : sums) {
+    flat.insert(flat.end(),
+                {s.kinetic, s.external_work, s.last_external_work, s.damping_work, s.last_damping_work});
+    flat.insert(flat.end(), s.impulse_received.begin(), s.impulse_received.end());
+    flat.insert(flat.end(), s.impulse_to_clamps.begin(), s.impulse_to_clamps.end());
+  }
+  return flat;
+}
+
+void restore(const std::vector<double>& flat, std::vector<NodeSums>& sums) {
+  for (std::size_t b = 0; b < sums.size(); ++b) {
+    const double* v = &flat[b * sums_width];
+    sums[b] = {v[0], v[1], v[2], v[3], v[4], {v[5], v[6], v[7]}, {v[8], v[9], v[10]}, 0};
+  }
+}
+
+}  // namespace
+
+void Carpet::save(h5::Group& group) const {
+  const Impl& c = *impl_;
+  write_vectors(group, "position", c.nodes.motion.position);
+  write_vectors(group, "velocity", c.nodes.motion.velocity);
+  write_vectors(group, "angular_velocity", c.nodes.motion.angular_velocity);
+  group.write("element_state", unpack_state(c.elements),
+              {c.elements.element_count, state_values(c.options.thickness_points)});
+  group.write("strain_work", c.elements.strain_work);
+  group.write("hourglass_work", c.elements.hourglass_work);
+  group.write("node_sums", flatten(c.nodes.sums), {c.nodes.sums.size(), sums_width});
+  group.write_scalar("last_step", c.last_step);
+  group.write_scalar("time", c.time);
+  group.write_scalar("damping", c.options.damping);
+  group.write_scalar("steps", c.steps);
+}
+
+void Carpet::load(const h5::Group& group) {
+  Impl& c = *impl_;
+  const std::size_t count = c.nodes.size();
+  // All is read before anything is changed: a checkpoint that does not fit leaves the carpet as it was.
+  Vec3Array position = read_vectors(group, "position", count),
+            velocity = read_vectors(group, "velocity", count);
+  Vec3Array angular_velocity = read_vectors(group, "angular_velocity", count);
+  const std::vector<double> state =
+      read_sized(group, "element_state", c.elements.element_count * state_values(c.options.thickness_points));
+  const std::vector<double> sums = read_sized(group, "node_sums", c.nodes.sums.size() * sums_width);
+  const std::vector<double> strain_work = group.read_doubles("strain_work");
+  const std::vector<double> hourglass_work = group.read_doubles("hourglass_work");
+  const double last_step = group.read_double("last_step"), time = group.read_double("time");
+  const double damping = group.read_double("damping");
+  const std::uint64_t steps = group.read_count("steps");
+
+  c.nodes.motion = {std::move(position), std::move(velocity), std::move(angular_velocity)};
+  pack_state(state, c.elements);
+  restore(sums, c.nodes.sums);
+  restore_block_sums(strain_work, c.elements.strain_work);
+  restore_block_sums(hourglass_work, c.elements.hourglass_work);
+  c.last_step = last_step;
+  c.time = time;
+  c.options.damping = damping;
+  c.steps = steps;
+}
+
+}  // namespace tuft::fe

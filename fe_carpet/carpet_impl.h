@@ -1,0 +1,33 @@
+#pragma once
+/// What a Carpet holds; shared by carpet.cpp (stepping) and carpet_checkpoint.cpp (save and load).
+#include <cstdint>
+#include <vector>
+
+#include "fe_carpet/carpet.h"
+#include "fe_carpet/element_arrays.h"
+#include "fe_carpet/node_arrays.h"
+
+namespace tuft::fe {
+
+struct Carpet::Impl {
+  Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in, const CarpetOptions& options_in);
+
+  void move(double dt, const Vec3Array& force);
+  void stop_on_instability(double dt, const Vec3Array& force) const;
+  [[nodiscard]] double largest_frequency_squared() const;
+
+  ShellMesh mesh;
+  std::vector<ShellMaterial> materials;
+  CarpetOptions options;
+  ElementArrays elements;
+  NodeArrays nodes;
+  ElementBlockFunction update_elements = nullptr;
+  std::vector<double> contact_stiffness;  ///< N/m per node
+  double wave_speed = 0;                  ///< m/s, largest of the materials
+  double initial_stable_step = 0;         ///< s
+  double last_step = 0;                   ///< s, length of the step that led to the present positions
+  double time = 0;                        ///< s
+  std::uint64_t steps = 0;
+};
+
+}  // namespace tuft::fe

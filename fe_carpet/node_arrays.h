@@ -1,0 +1,49 @@
+#pragma once
+/// State of the nodes and the loop that moves them: forces gathered from the elements' corners in a fixed
+/// order, central differences, and the sums that the energy ledger needs.
+#include <array>
+#include <vector>
+
+#include "fe_carpet/element_arrays.h"
+
+namespace tuft::fe {
+
+/// Nodes are summed up in blocks of fixed size, so that sums do not depend on the thread count.
+inline constexpr std::size_t nodes_per_block = 128;
+
+/// Sums over a block of nodes. `last` values are of the last step alone: works at the moment of a force
+/// evaluation count half of it, as the kinetic energy does.
+struct NodeSums {
+  double kinetic = 0;  ///< J, mean of the values half a step before and after the last force evaluation
+  double external_work = 0, last_external_work = 0;               ///< J; total includes last
+  double damping_work = 0, last_damping_work = 0;                 ///< J dissipated
+  std::array<double, 3> impulse_received{}, impulse_to_clamps{};  ///< N s
+  double largest_speed_squared = 0;                               ///< m^2/s^2
+};
+
+struct NodeArrays {
+  NodeMotion motion;
+  std::vector<double> mass, inertia;                  ///< kg, kg m^2
+  std::vector<double> free;                           ///< 1, or 0 for clamped nodes
+  std::vector<double> inverse_mass, inverse_inertia;  ///< 0 for clamped nodes
+  std::vector<std::uint8_t> clamped;
+  std::vector<Index> first_corner;   ///< per node and one more: range in corner_offset
+  std::vector<Index> corner_offset;  ///< first value of a corner in ElementArrays::forces
+  std::vector<NodeSums> sums;        ///< per block
+  [[nodiscard]] std::size_t size() const { return mass.size(); }
+};
+
+[[nodiscard]] NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements);
+
+struct NodeStep {
+  double length;   ///< s
+  double damping;  ///< 1/s
+  Vec3 gravity;    ///< m/s^2
+};
+
+/// Velocities to t + dt/2 under internal, external (force, N per node) and damping forces, then positions to
+/// t + dt. Different blocks may run at the same time.
+void update_node_block(NodeArrays& nodes, const ElementArrays& elements, const Vec3Array& force,
+                       const NodeStep& step, std::size_t block);
+
+}  // namespace tuft::fe
