@@ -36,12 +36,13 @@ fail() {
 }
 
 missing_packages() {
-  local package
+  local installed package
+  # The status too: dpkg-query also knows packages that were removed but left their settings behind. It fails when one
+  # name is unknown to it, and prints the others.
+  # shellcheck disable=SC2016
+  installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null || true)
   for package in "${packages[@]}"; do
-    # Not `dpkg-query -W` alone: it also knows packages that were removed but left their settings behind.
-    if [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) != installed ]]; then
-      echo "$package"
-    fi
+    [[ $'\n'$installed$'\n' == *$'\n'"$package installed"$'\n'* ]] || echo "$package"
   done
 }
 
@@ -52,7 +53,7 @@ install_packages() {
   ((${#missing[@]})) || return 0
   local as_root=()
   if ((EUID != 0)); then
-    command -v sudo >/dev/null || fail "packages are missing and there is no sudo; as root: apt-get install ${missing[*]}"
+    command -v sudo >/dev/null || fail "packages are missing and there is no sudo; as root: apt-get install --no-install-recommends ${missing[*]}"
     as_root=(sudo)
   fi
   echo "tuft.sh: installing ${missing[*]}"
