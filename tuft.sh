@@ -16,7 +16,7 @@ packages=(
   libhdf5-dev                                        # results
   libzmq3-dev cppzmq-dev                             # the wire to the DEM host
   libliggghts-dev libopenmpi-dev                     # the DEM host
-  libgtest-dev libbenchmark-dev                      # tests and benchmarks
+  libgtest-dev libgmock-dev libbenchmark-dev                  # tests and benchmarks
 )
 
 usage() {
