@@ -5,8 +5,30 @@
 
 namespace tuft {
 
-inline constexpr std::array<std::string_view, 7> effect_names{
-    "fibres",          "friction_rate",  "artificial_viscosity", "tension_cutoff", "rolling_resistance",
-    "overlap_release", "contact_damping"};
+struct EffectName {
+  std::string_view name, meaning;
+};
+
+inline constexpr std::array<EffectName, 7> named_effects{{
+    {"fibres", "strands of the carpet; off: the backing alone"},
+    {"friction_rate", "friction that changes with sliding speed"},
+    {"artificial_viscosity", "artificial viscosity (sph)"},
+    {"tension_cutoff", "infill that cannot bear tension (sph)"},
+    {"rolling_resistance", "resistance of grains to rolling (dem)"},
+    {"overlap_release", "initial overlap let go gradually"},
+    {"contact_damping", "energy lost in contacts"},
+}};
+
+inline constexpr std::array<std::string_view, named_effects.size()> effect_names = [] {
+  std::array<std::string_view, named_effects.size()> names{};
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = named_effects[i].name;
+  return names;
+}();
+
+constexpr std::string_view effect_meaning(std::string_view name) {
+  for (const EffectName& effect : named_effects)
+    if (effect.name == name) return effect.meaning;
+  return {};
+}
 
 }  // namespace tuft

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <span>
+#include <optional>
 
 #include "core/effect_names.h"
 #include "core/scene.h"

@@ -1,0 +1,167 @@
+#include "core/scene_check.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/nearest_name.h"
+
+namespace tuft {
+namespace {
+
+constexpr double tray_above_infill = 0.020;   // m, default freeboard
+constexpr double margin_over_missile = 0.10;  // of its diameter, on each side of the patch
+constexpr double share_tolerance = 1e-6;
+constexpr double wendland_over_pitch = 1.3;    // about 75 neighbours (PHYSICS section 2)
+constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
+
+std::string in_mm(double metres) {
+  return fmt::format("{:g} mm", std::round(metres * 1e6) / 1e3);
+}
+
+void check_virgin_curve(const Curve& curve, const std::string& path, const Places& places) {
+  if (curve.x.size() < 2) places.fail(path, "needs at least two points");
+  if (curve.x.front() != 0 || curve.y.front() != 0)
+    places.fail(path, "must begin at strain 0 and pressure 0");
+  for (std::size_t i = 1; i < curve.y.size(); ++i) {
+    if (!(curve.y[i] > curve.y[i - 1]))
+      places.fail(fmt::format("{}.values", path),
+                  fmt::format("pressure must rise: value {} is not above the one before", i));
+  }
+}
+
+void check_shares(const Material& material, const std::string& path, const Places& places) {
+  double sum = 0;
+  for (std::size_t i = 0; i < material.grain_shares.size(); ++i) {
+    sum += material.grain_shares[i].mass_fraction;
+    for (std::size_t j = 0; j < i; ++j)
+      if (material.grain_shares[i].material == material.grain_shares[j].material)
+        places.fail(fmt::format("{}.grain_shares.{}.material", path, i),
+                    "named twice in this material; give one share");
+  }
+  if (!material.grain_shares.empty() && std::abs(sum - 1) > share_tolerance)
+    places.fail(fmt::format("{}.grain_shares", path),
+                fmt::format("mass fractions add up to {:g}; make it 1", sum));
+}
+
+struct PresetValues {
+  Kernel kernel;
+  double over_pitch;  ///< smoothing length / pitch
+};
+
+std::optional<PresetValues> preset_values(const std::string& preset) {
+  if (preset == "accurate") return PresetValues{Kernel::wendland_c2, wendland_over_pitch};
+  if (preset == "paper") return PresetValues{Kernel::cubic_spline, published_over_pitch};
+  return std::nullopt;
+}
+
+/// A preset decides kernel and smoothing length. Values of the user's own need preset "custom", lest a later
+/// change of the pitch leave a smoothing length behind that the preset's name belies.
+void complete_sph(SphOptions& sph, const Places& places) {
+  const bool preset_given = places.has("infill.sph.preset");
+  const bool own_length = places.has("infill.sph.smoothing_length") && sph.smoothing_length > 0;
+  const bool own_kernel = places.has("infill.sph.kernel");
+  if (!preset_given && own_length) sph.preset = "custom";
+  const auto values = preset_values(sph.preset);
+  if (!values) {
+    if (!own_length)
+      places.fail("infill.sph.smoothing_length",
+                  "missing; preset \"custom\" needs it, for example \"2.6 mm\"");
+    return;
+  }
+  const double length = values->over_pitch * sph.pitch;
+  if (own_length && std::abs(sph.smoothing_length - length) > 1e-9 * length)
+    places.fail(
+        "infill.sph.smoothing_length",
+        fmt::format("preset \"{}\" makes it {} at this pitch; leave it out, or set preset = \"custom\"",
+                    sph.preset, in_mm(length)));
+  if (own_kernel && sph.kernel != values->kernel)
+    places.fail("infill.sph.kernel",
+                fmt::format("preset \"{}\" has another kernel; leave it out, or set preset = \"custom\"",
+                            sph.preset));
+  if (!own_length) sph.smoothing_length = length;
+  sph.kernel = values->kernel;
+}
+
+void check_dem_names(const Scene& scene, const Places& places) {
+  std::vector<std::string> names;
+  for (const Material& material : scene.materials) names.push_back(material.name);
+  for (const auto& [name, factor] : scene.infill.dem.material_coarse_graining) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    const auto nearest = nearest_name(name, names);
+    places.fail("infill.dem.material_coarse_graining." + name,
+                nearest
+                    ? fmt::format("no layer holds this material; did you mean \"{}\"?", *nearest)
+                    : fmt::format("no layer holds this material; the scene has {}", fmt::join(names, ", ")));
+  }
+}
+
+/// Every layer must be usable with the approach that was chosen.
+void check_layers(const Scene& scene, const Places& places) {
+  for (std::size_t i = 0; i < scene.turf.layers.size(); ++i) {
+    const Material& material = scene.materials[static_cast<std::size_t>(scene.turf.layers[i].material)];
+    const std::string path = fmt::format("turf.layers.{}.material", i);
+    if (scene.infill.approach == Approach::sph && !material.continuum)
+      places.fail(path, fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
+    if (scene.infill.approach == Approach::sph) continue;
+    if (material.grain_shares.empty())
+      places.fail(path,
+                  fmt::format("has neither [grain] nor [[grain_shares]] in {}, which approach \"dem\" needs",
+                              material.file));
+    for (const GrainShare& share : material.grain_shares) {
+      const Material& grain = scene.materials[static_cast<std::size_t>(share.material)];
+      if (!grain.grain)
+        places.fail(path,
+                    fmt::format("is made of \"{}\", which has no [grain] in {}", grain.name, grain.file));
+    }
+  }
+}
+
+void check_tray(Scene& scene, const Places& places) {
+  const double depth = scene.infill_depth();
+  if (scene.turf.tray_depth == 0) scene.turf.tray_depth = depth + tray_above_infill;
+  // Depths are sums of decimal fractions: equal means equal to rounding.
+  if (depth > scene.turf.tray_depth * (1 + 1e-12))
+    places.fail("turf.tray_depth",
+                fmt::format("layers are {} deep, deeper than the tray; make it deeper or the layers thinner",
+                            in_mm(depth)));
+}
+
+void check_missile(const Scene& scene, const Places& places) {
+  const CleggRig& clegg = scene.rig.clegg;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double reach = std::abs(clegg.position[k]) + (0.5 + margin_over_missile) * clegg.diameter;
+    if (2 * reach <= scene.turf.size[k] * (1 + 1e-12)) continue;
+    places.fail(fmt::format("turf.size.{}", k),
+                fmt::format("the patch is smaller than the missile ({} wide, {} off the middle) and {} on "
+                            "each side; at least "
+                            "{} is needed",
+                            in_mm(clegg.diameter), in_mm(std::abs(clegg.position[k])),
+                            in_mm(margin_over_missile * clegg.diameter), in_mm(2 * reach)));
+  }
+}
+
+}  // namespace
+
+void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
+  if (material.continuum) {
+    if (material.continuum->density == 0) material.continuum->density = material.bulk_density;
+    check_virgin_curve(material.continuum->pressure, path + ".continuum.pressure", places);
+  }
+  if (material.grain) {
+    if (material.grain->diameter_max < material.grain->diameter_min)
+      places.fail(path + ".grain.diameter_max",
+                  fmt::format("is below diameter_min ({})", in_mm(material.grain->diameter_min)));
+    if (material.grain_shares.empty()) material.grain_shares = {{self, 1.0}};
+  }
+  check_shares(material, path, places);
+}
+
+void complete_scene(Scene& scene, const Places& places) {
+  complete_sph(scene.infill.sph, places);
+  check_dem_names(scene, places);
+  check_layers(scene, places);
+  check_tray(scene, places);
+  check_missile(scene, places);
+}
+
+}  // namespace tuft

@@ -1,0 +1,106 @@
+/// Keys of how a scene is run: infill approach, rig, effects, numerics, output.
+#include "core/effect_names.h"
+#include "core/scene_schema.h"
+
+namespace tuft::schema {
+namespace {
+
+constexpr std::string_view approaches[] = {"sph", "dem"};
+constexpr std::string_view presets[] = {"accurate", "paper", "custom"};
+constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
+constexpr std::string_view rigs[] = {"clegg"};
+
+constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
+
+void describe_sph(KeyVisitor& keys, SphOptions& sph) {
+  keys.choice({"preset", "accurate: Wendland C2, h = 1.3 pitch; paper: cubic spline, h = 0.71 pitch; custom"},
+              sph.preset, presets);
+  keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
+  keys.quantity({"smoothing_length", "h, half the kernel's support; left out: by the preset"},
+                sph.smoothing_length, "m", non_negative);
+  keys.enumeration({"kernel", "left out: by the preset"}, sph.kernel, kernels);
+  keys.number({"viscosity_linear", "artificial viscosity, Monaghan's alpha"}, sph.viscosity_linear,
+              non_negative);
+  keys.number({"viscosity_quadratic", "artificial viscosity, Monaghan's beta"}, sph.viscosity_quadratic,
+              non_negative);
+}
+
+void describe_dem(KeyVisitor& keys, DemOptions& dem) {
+  keys.number({"coarse_graining", "factor on grain diameters; stiffness, friction and restitution kept"},
+              dem.coarse_graining, at_least_one);
+  keys.numbers_by_name({"material_coarse_graining", "own factor of a grain material, by its name"},
+                       dem.material_coarse_graining, at_least_one);
+  keys.text({"host", "path of liggghts_host; empty: beside the program"}, dem.host);
+  keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
+                dem.answer_timeout, "s", positive);
+  keys.quantity({"settle_time", "packing dynamics after the geometric packing"}, dem.settle_time, "s",
+                non_negative);
+  keys.flag({"use_cache", "reuse a settled packing of an earlier run with the same inputs"}, dem.use_cache);
+  keys.list<GrainPairFriction>(
+      {"pairs", "friction of unlike grains; left out: mean of the two"}, dem.pairs,
+      [](KeyVisitor& inside, GrainPairFriction& pair) {
+        inside.materials(required("materials", "the two grain materials"), pair.materials);
+        inside.number(required("friction", "sliding friction"), pair.friction, non_negative);
+      });
+}
+
+void describe_clegg(KeyVisitor& keys, CleggRig& clegg) {
+  keys.quantity({"mass", "mass of the missile"}, clegg.mass, "kg", positive);
+  keys.quantity({"diameter", "diameter of the missile"}, clegg.diameter, "m", positive);
+  keys.quantity({"height", "height of the missile"}, clegg.height, "m", positive);
+  keys.quantity({"speed", "speed at first contact, downwards"}, clegg.speed, "m/s", positive);
+  keys.quantities({"position", "axis relative to the middle of the patch"}, clegg.position, "m", any);
+  keys.quantity({"filter_cutoff", "low-pass of the acceleration"}, clegg.filter_cutoff, "Hz", positive);
+  keys.quantity({"touch_force", "force that counts as first contact"}, clegg.touch_force, "N", positive);
+}
+
+}  // namespace
+
+void describe_infill(KeyVisitor& keys, InfillChoice& infill) {
+  keys.enumeration({"approach", "sph: continuum; dem: grains"}, infill.approach, approaches);
+  keys.table({"sph", "infill as a continuum"}, [&](KeyVisitor& inside) { describe_sph(inside, infill.sph); });
+  keys.table({"dem", "infill as grains"}, [&](KeyVisitor& inside) { describe_dem(inside, infill.dem); });
+}
+
+void describe_rig(KeyVisitor& keys, Rig& rig) {
+  keys.choice(required("type", "which rig"), rig.type, rigs);
+  describe_clegg(keys, rig.clegg);
+}
+
+void describe_effects(KeyVisitor& keys, Effects& effects) {
+  for (const std::string_view name : effect_names) {
+    Switch& choice = effects.choice.try_emplace(std::string(name), Switch::automatic).first->second;
+    keys.toggle({name, effect_meaning(name)}, choice);
+  }
+}
+
+void describe_numerics(KeyVisitor& keys, Numerics& numerics) {
+  keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
+  keys.quantity({"coupling_window", "time between exchanges; 0: the infill's own step"},
+                numerics.coupling_window, "s", non_negative);
+  keys.number({"energy_error_limit", "relative energy error that stops the run"}, numerics.energy_error_limit,
+              positive);
+  keys.quantity({"contact_pressure", "highest expected: sets the contact stiffness of the continuum"},
+                numerics.contact_pressure, "Pa", positive);
+  keys.number({"contact_stiffness_factor", "contact stiffness over constrained modulus x pitch"},
+              numerics.contact_stiffness_factor, positive);
+  keys.number({"shell_contact_radius", "contact radius of SPH particles at shells over half their diameter"},
+              numerics.shell_contact_radius, share);
+  keys.quantity({"contact_release_time", "time over which initial overlap is let go"},
+                numerics.contact_release_time, "s", non_negative);
+  keys.quantity({"settle_time", "gravity settling before the rig is released"}, numerics.settle_time, "s",
+                non_negative);
+  keys.quantity({"settle_damping", "mass-proportional damping while settling"}, numerics.settle_damping, "Hz",
+                non_negative);
+  keys.integer({"seed", "of everything random"}, numerics.seed, {0, largest_integer, false, false});
+  keys.integer({"threads", "0: all cores"}, numerics.threads, {0, 4096, false, false});
+}
+
+void describe_output(KeyVisitor& keys, Output& output) {
+  keys.quantity({"frames", "time between frames"}, output.frames, "s", positive);
+  keys.quantity({"histories", "time between rows of histories"}, output.histories, "s", positive);
+  keys.quantity({"checkpoint_every", "time between checkpoints; 0: only at the end and on interruption"},
+                output.checkpoint_every, "s", non_negative);
+}
+
+}  // namespace tuft::schema

@@ -1,0 +1,150 @@
+/// Keys of the turf: patch, layers, carpet, materials.
+#include "core/scene_schema.h"
+
+namespace tuft::schema {
+namespace {
+
+void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
+  keys.quantity(required("young_modulus", "Young's modulus"), material.young_modulus, "Pa", positive);
+  keys.number(required("poisson_ratio", "Poisson's ratio"), material.poisson_ratio, {0, 0.5, false, true});
+  keys.quantity(required("density", "density of the solid"), material.density, "kg/m^3", positive);
+}
+
+void describe_continuum(KeyVisitor& keys, SoilFoamMaterial& material) {
+  keys.quantity({"density", "bulk density in the reference state; left out: material.bulk_density"},
+                material.density, "kg/m^3", non_negative);
+  keys.curve(
+      required("pressure", "virgin compression: pressure against compressive volumetric strain ln(rho/rho0)"),
+      material.pressure, {"strain", "", "values", "Pa", non_negative});
+  keys.curve(required("unloading", "bulk modulus for unloading and reloading against pressure"),
+             material.unloading, {"pressure", "Pa", "modulus", "Pa", positive});
+  keys.number({"shear_ratio", "shear modulus over unloading bulk modulus"}, material.shear_ratio, positive);
+  keys.quantity({"yield_a0", "yield surface J2 <= a0 + a1 p + a2 p^2"}, material.yield_a0, "Pa^2",
+                non_negative);
+  keys.quantity({"yield_a1", "see yield_a0"}, material.yield_a1, "Pa", non_negative);
+  keys.number({"yield_a2", "see yield_a0"}, material.yield_a2, non_negative);
+  keys.quantity({"tension_cutoff", "largest tension, above which pressure and shear are let go"},
+                material.tension_cutoff, "Pa", non_negative);
+}
+
+void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {
+  keys.quantity(required("density", "density of the solid"), grain.density, "kg/m^3", positive);
+  keys.quantity(required("young_modulus", "Young's modulus"), grain.young_modulus, "Pa", positive);
+  keys.number(required("poisson_ratio", "Poisson's ratio"), grain.poisson_ratio, {0, 0.5, true, true});
+  keys.number(required("restitution", "coefficient of restitution"), grain.restitution, share);
+  keys.number(required("friction", "sliding friction with its own kind"), grain.friction, non_negative);
+  keys.number({"rolling_friction", "coefficient of the rolling resistance (epsd2)"}, grain.rolling_friction,
+              non_negative);
+  keys.quantity(required("diameter_min", "smallest grain, true size"), grain.diameter_min, "m", positive);
+  keys.quantity(required("diameter_max", "largest grain, true size"), grain.diameter_max, "m", positive);
+}
+
+void describe_grain_share(KeyVisitor& keys, GrainShare& share_of) {
+  keys.material(required("material", "grain material"), share_of.material);
+  keys.number(required("mass_fraction", "share of the layer's mass; shares add up to 1"),
+              share_of.mass_fraction, share);
+}
+
+void describe_layer(KeyVisitor& keys, Layer& layer) {
+  keys.material(required("material", "a file of materials/, or a table [materials.NAME]"), layer.material);
+  keys.quantity(required("depth", "depth as placed"), layer.depth, "m", positive);
+}
+
+}  // namespace
+
+void describe_friction(KeyVisitor& keys, FrictionLaw& law) {
+  keys.number(required("static", "coefficient at rest"), law.static_coefficient, non_negative);
+  keys.number(required("dynamic", "coefficient at high speed; may exceed the one at rest"),
+              law.dynamic_coefficient, non_negative);
+  keys.quantity({"decay", "mu(v) = dynamic + (static - dynamic) exp(-decay v)"}, law.decay, "s/m",
+                non_negative);
+}
+
+void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
+  keys.quantity(required("gauge", "distance of rows of tufts (y)"), carpet.gauge, "m", positive);
+  keys.quantity(required("stitch_spacing", "distance of tufts along a row (x)"), carpet.stitch_spacing, "m",
+                positive);
+  keys.integer(required("strands_per_tuft", "strands rising from one tuft"), carpet.strands_per_tuft,
+               at_least_one);
+  keys.quantity(required("pile_length", "strand length from the backing"), carpet.pile_length, "m", positive);
+  keys.quantity(required("strand_width", "width of a strand"), carpet.strand_width, "m", positive);
+  keys.quantity(required("strand_thickness", "thickness of a strand"), carpet.strand_thickness, "m",
+                positive);
+  keys.quantity({"lean", "mean tilt of a strand from the vertical"}, carpet.lean, "rad",
+                {0, 1.5, false, false});
+  keys.quantity({"fan_out", "standard deviation of the tilt within a tuft"}, carpet.fan_out, "rad",
+                {0, 1.0, false, false});
+  keys.quantity(required("element_length", "shell length along a strand"), carpet.element_length, "m",
+                positive);
+  keys.quantity(required("backing_thickness", "thickness of the backing"), carpet.backing_thickness, "m",
+                positive);
+  keys.quantity(required("backing_element", "largest shell side of the backing"), carpet.backing_element, "m",
+                positive);
+  keys.number({"hourglass_coefficient", "hourglass resistance"}, carpet.hourglass_coefficient,
+              {0, 0.2, false, false});
+  keys.quantity({"damping", "mass-proportional damping of the carpet"}, carpet.damping, "Hz", non_negative);
+  keys.number({"contact_restitution", "of carpet nodes on rig bodies and the tray"},
+              carpet.contact_restitution, share);
+  keys.table({"body_friction", "of fibres and backing on rig bodies and the tray"},
+             [&](KeyVisitor& inside) { describe_friction(inside, carpet.body_friction); });
+  keys.table({"fibre", "elastic material of the strands"},
+             [&](KeyVisitor& inside) { describe_shell_material(inside, carpet.fibre); });
+  keys.table({"backing", "elastic material of the backing"},
+             [&](KeyVisitor& inside) { describe_shell_material(inside, carpet.backing); });
+}
+
+void describe_material(KeyVisitor& keys, Material& material) {
+  keys.table({"material", "the material as a whole"}, [&](KeyVisitor& inside) {
+    inside.text({"name", "its name, the same as the file's"}, material.name);
+    inside.quantity(required("bulk_density", "bulk density as placed: mass of a layer for both approaches"),
+                    material.bulk_density, "kg/m^3", positive);
+    inside.quantity({"contact_modulus", "sets the contact stiffness; 0: from the infill's own law"},
+                    material.contact_modulus, "Pa", non_negative);
+    inside.number({"contact_restitution", "normal damping of contact with carpet and bodies"},
+                  material.contact_restitution, share);
+  });
+  keys.table({"friction", "friction of the infill"}, [&](KeyVisitor& inside) {
+    inside.table({"fibre", "against fibres and backing"},
+                 [&](KeyVisitor& law) { describe_friction(law, material.fibre_friction); });
+    inside.table({"body", "against rig bodies and the tray"},
+                 [&](KeyVisitor& law) { describe_friction(law, material.body_friction); });
+  });
+  keys.optional_table<SoilFoamMaterial>({"continuum", "the infill as a continuum (sph)"}, material.continuum,
+                                        describe_continuum);
+  keys.optional_table<GrainMaterial>({"grain", "one kind of grain (dem)"}, material.grain, describe_grain);
+  keys.list<GrainShare>({"grain_shares", "what a layer is made of in dem; left out: grains of its own"},
+                        material.grain_shares, describe_grain_share);
+}
+
+void describe_scene(KeyVisitor& keys, Scene& scene,
+                    const std::function<void(KeyVisitor&, CarpetDesign&)>& carpet) {
+  keys.table({"scene", "the scene as a whole"}, [&](KeyVisitor& inside) {
+    inside.text({"name", "a name for reports; left out: the file's"}, scene.info.name);
+    inside.quantity(required("duration", "time to simulate from the release of the rig"), scene.info.duration,
+                    "s", positive);
+  });
+  keys.table({"turf", "carpet, patch and layers"}, [&](KeyVisitor& inside) {
+    inside.text({"design", "a file of turfs/; or give [turf.carpet]"}, scene.turf.design);
+    inside.quantities(required("size", "x and y of the patch"), scene.turf.size, "m", positive);
+    inside.quantity({"tray_depth", "height of the tray's walls; left out: infill depth + 20 mm"},
+                    scene.turf.tray_depth, "m", non_negative);
+    inside.table({"carpet", "the carpet itself; with a design: keys that differ from it"},
+                 [&](KeyVisitor& keys_of_carpet) { carpet(keys_of_carpet, scene.turf.carpet); });
+    inside.list<Layer>(required("layers", "infill, bottom to top"), scene.turf.layers, describe_layer);
+  });
+  keys.table({"infill", "how the infill is described"},
+             [&](KeyVisitor& inside) { describe_infill(inside, scene.infill); });
+  keys.table({"conditioning", "what the turf went through before"}, [&](KeyVisitor& inside) {
+    static constexpr std::string_view methods[] = {"none"};
+    inside.choice({"method", "none"}, scene.conditioning.method, methods);
+  });
+  keys.table({"rig", "what loads the turf"}, [&](KeyVisitor& inside) { describe_rig(inside, scene.rig); });
+  keys.table({"effects", "physics to switch: true, false, or \"auto\": on where the scene needs it"},
+             [&](KeyVisitor& inside) { describe_effects(inside, scene.effects); });
+  keys.table({"numerics", "steps and limits"},
+             [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics); });
+  keys.table({"output", "what is recorded"},
+             [&](KeyVisitor& inside) { describe_output(inside, scene.output); });
+}
+
+}  // namespace tuft::schema
