@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -5,6 +6,9 @@
 
 namespace tuft::sph {
 namespace {
+
+/// Columns of particles across a strip, see make_lattice.
+constexpr long strip_width = 16;
 
 /// Rows of one layer: a whole number, spaced so that they fill its depth.
 struct LayerRows {
@@ -45,18 +49,21 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
 
   Lattice lattice;
   lattice.pitch = std::sqrt(px * py);
-  // z runs fastest: beds are flat, so neighbours in all directions stay close in memory.
-  for (long ix = 0; ix < nx; ++ix)
-    for (long iy = 0; iy < ny; ++iy)
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        for (int iz = 0; iz < rows[k].count; ++iz) {
-          lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
-                                      (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
-                                      rows[k].bottom + (iz + 0.5) * rows[k].spacing});
-          lattice.volume.push_back(px * py * rows[k].spacing);
-          lattice.layer.push_back(static_cast<Index>(k));
-          lattice.material.push_back(turf.layers[k].material);
-        }
+  const auto add_column = [&](long ix, long iy) {
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      for (int iz = 0; iz < rows[k].count; ++iz) {
+        lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
+                                    (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
+                                    rows[k].bottom + (iz + 0.5) * rows[k].spacing});
+        lattice.volume.push_back(px * py * rows[k].spacing);
+        lattice.layer.push_back(static_cast<Index>(k));
+        lattice.material.push_back(turf.layers[k].material);
+      }
+  };
+  // Strips of columns, z fastest: what one particle's neighbours read stays in a core's second-level cache.
+  for (long strip = 0; strip < ny; strip += strip_width)
+    for (long ix = 0; ix < nx; ++ix)
+      for (long iy = strip; iy < std::min(ny, strip + strip_width); ++iy) add_column(ix, iy);
   return lattice;
 }
 

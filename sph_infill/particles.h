@@ -16,6 +16,7 @@ struct Particles {
   std::array<std::vector<double>, 6> deviator;  ///< Pa; xx yy zz xy yz zx
 
   // What never changes.
+  std::vector<double> inverse_mass;                    ///< 1/kg
   std::vector<double> mass, reference_volume, radius;  ///< kg, m^3, m
   std::vector<Index> layer, material;
   std::vector<Index> law;  ///< index into the laws

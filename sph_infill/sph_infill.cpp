@@ -19,6 +19,11 @@ void check_settings(const Lattice& lattice, const SphSettings& settings) {
     throw_input_error("infill.sph.smoothing_length is {} m; it must be above 0", options.smoothing_length);
   if (!(lattice.pitch > 0))
     throw_input_error("lattice of SPH infill has pitch {} m; it must be above 0", lattice.pitch);
+  for (std::size_t i = 0; i < lattice.position.size(); ++i)
+    if (!lattice.position[i].allFinite() || !(lattice.volume[i] > 0) || !std::isfinite(lattice.volume[i]))
+      throw_input_error("lattice of SPH infill: particle {} has position ({}, {}, {}) m and volume {} m^3", i,
+                        lattice.position.x[i], lattice.position.y[i], lattice.position.z[i],
+                        lattice.volume[i]);
   for (const double viscosity : {options.viscosity_linear, options.viscosity_quadratic})
     if (!(viscosity >= 0) || !std::isfinite(viscosity))
       throw_input_error("infill.sph viscosity is {}; it must be at least 0", viscosity);
@@ -56,8 +61,9 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   p.velocity.assign(n, 0);
   p.next_velocity.assign(n, 0);
   p.gradient_sum.assign(n, 0);
-  for (auto* values : {&p.compression, &p.largest_compression, &p.plastic_compression, &p.pressure,
-                       &p.bulk_modulus, &p.mass, &p.radius, &p.viscous_linear, &p.viscous_quadratic})
+  for (auto* values :
+       {&p.compression, &p.largest_compression, &p.plastic_compression, &p.pressure, &p.bulk_modulus, &p.mass,
+        &p.inverse_mass, &p.radius, &p.viscous_linear, &p.viscous_quadratic})
     values->assign(n, 0);
   for (auto& values : p.deviator) values.assign(n, 0);
   for (auto& values : p.stress_gradient) values.assign(n, 0);
@@ -75,6 +81,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
     p.law[i] = entry->second;
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
+    p.inverse_mass[i] = 1 / p.mass[i];
     p.radius[i] = 0.5 * std::cbrt(lattice.volume[i]);
   }
   m.stress_blocks.resize(block_count(p));

@@ -27,7 +27,7 @@ GradientSums gradient_sums(const KernelType kernel, const NeighbourList& list, c
                            std::size_t i) {
   const double *x = p.position.x.data(), *y = p.position.y.data(), *z = p.position.z.data();
   const double *vx = p.velocity.x.data(), *vy = p.velocity.y.data(), *vz = p.velocity.z.data();
-  const double* volume = p.volume.data();
+  const double *volume = p.volume.data(), *inverse_mass = p.inverse_mass.data();
   const double xi = x[i], yi = y[i], zi = z[i], vxi = vx[i], vyi = vy[i], vzi = vz[i];
   const Index* row = list.row(i).data();
   const std::size_t batches = list.row(i).size() / NeighbourList::row_multiple;
@@ -35,7 +35,9 @@ GradientSums gradient_sums(const KernelType kernel, const NeighbourList& list, c
   double mxx = 0, myy = 0, mzz = 0, mxy = 0, myz = 0, mzx = 0;
   double lxx = 0, lxy = 0, lxz = 0, lyx = 0, lyy = 0, lyz = 0, lzx = 0, lzy = 0, lzz = 0;
   double gx = 0, gy = 0, gz = 0;
-#pragma omp simd reduction(+ : mxx, myy, mzz, mxy, myz, mzx, lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz, gx, gy, gz)
+  double cxx = 0, cyy = 0, czz = 0, cxy = 0, cyz = 0, czx = 0;
+#pragma omp simd reduction(+ : mxx, myy, mzz, mxy, myz, mzx, lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz, gx, gy, gz, \
+                               cxx, cyy, czz, cxy, cyz, czx)
   for (std::size_t k = 0; k < batches * NeighbourList::row_multiple; ++k) {
     const Index j = row[k];
     const double dx = xi - x[j], dy = yi - y[j], dz = zi - z[j];
@@ -48,11 +50,15 @@ GradientSums gradient_sums(const KernelType kernel, const NeighbourList& list, c
     lyx += uy * wx, lyy += uy * wy, lyz += uy * wz;
     lzx += uz * wx, lzy += uz * wy, lzz += uz * wz;
     gx += wx, gy += wy, gz += wz;
+    const double n = inverse_mass[j], nx = n * wx, ny = n * wy, nz = n * wz;
+    cxx += nx * wx, cyy += ny * wy, czz += nz * wz;
+    cxy += nx * wy, cyz += ny * wz, czx += nz * wx;
   }
   GradientSums sums;
   sums.moment = {mxx, myy, mzz, mxy, myz, mzx};
   sums.velocity << lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz;
   sums.gradient = {gx, gy, gz};
+  sums.mobility = {cxx, cyy, czz, cxy, cyz, czx};
   return sums;
 }
 
@@ -71,6 +77,12 @@ void store_stress_gradient(const SoilState& state, const SymmetricTensor& correc
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       p.stress_gradient[static_cast<std::size_t>(3 * row + column)][i] = q(row, column);
+}
+
+/// |row i of L|^2 in mass-scaled velocities, 1/(kg m^2): what stable_step.h bounds frequencies with.
+double row_mobility(const GradientSums& sums, const SymmetricTensor& correction, double inverse_mass) {
+  const Mat3 b = to_matrix(correction);
+  return (b * to_matrix(sums.mobility) * b).trace() + inverse_mass * (b * sums.gradient).squaredNorm();
 }
 
 /// The pass behind the pair loop, for one particle.
@@ -94,10 +106,13 @@ void update_particle_stress(const LoopSettings& settings, const GradientSums& su
   p.gradient_sum.set(i, sums.gradient);
   store_stress_gradient(state, correction, volume, i, p);
 
-  const double wave_speed =
-      std::sqrt(state.bulk_modulus * (1 + 4.0 / 3.0 * law.shear_ratio) * volume / p.mass[i]);
+  const double modulus = state.bulk_modulus * (1 + 4.0 / 3.0 * law.shear_ratio);
+  const double wave_speed = std::sqrt(modulus * volume / p.mass[i]);
+  const double frequency = std::sqrt(modulus * volume * row_mobility(sums, correction, p.inverse_mass[i]));
+  const SymmetricTensor rate = symmetric_part(velocity_gradient);
   total.stable_step = std::min(
-      total.stable_step, particle_stable_step(settings.step_limit, wave_speed, velocity_gradient.trace()));
+      total.stable_step,
+      particle_stable_step(settings.step_limit, frequency, wave_speed, std::sqrt(double_dot(rate, rate))));
   if (settings.artificial_viscosity) {
     p.viscous_quadratic[i] = std::sqrt(p.mass[i] * volume);
     p.viscous_linear[i] = p.viscous_quadratic[i] * std::sqrt(wave_speed);

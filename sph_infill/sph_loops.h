@@ -89,9 +89,10 @@ DriftCheck drift(double dt, const Vec3Array& reference, Particles& particles,
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {
-  SymmetricTensor moment;  ///< sum_j V_j (x_j - x_i) (x) g_ij
-  Mat3 velocity;           ///< sum_j V_j (v_j - v_i) (x) g_ij, 1/s
-  Vec3 gradient;           ///< sum_j V_j g_ij, 1/m
+  SymmetricTensor moment;    ///< sum_j V_j (x_j - x_i) (x) g_ij
+  Mat3 velocity;             ///< sum_j V_j (v_j - v_i) (x) g_ij, 1/s
+  Vec3 gradient;             ///< sum_j V_j g_ij, 1/m
+  SymmetricTensor mobility;  ///< sum_j V_j^2/m_j g_ij (x) g_ij, 1/(kg m^2), for the stable step
 };
 GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& list,
                            const Particles& particles, std::size_t i);

@@ -1,29 +1,48 @@
 #pragma once
-/// Largest stable step of a particle under the leapfrog.
+/// Largest stable step of the leapfrog, estimated particle by particle.
+///
+/// The leapfrog is stable for dt <= 2/omega, omega the highest frequency of the particles. Stress power is
+/// P = sum_i V_i M |L_i|^2 at most (M the constrained modulus), and in mass-scaled velocities sqrt(m_j) v_j
+/// row i of L has the squared length R_i = sum_j V_j^2 |B_i g_ij|^2/m_j + |B_i sum_j V_j g_ij|^2/m_i, so
+/// omega_i^2 = V_i M_i R_i is a frequency of the order of omega. It follows disorder, free surfaces and
+/// corners, compression, layers of unlike density and any kernel, which a fixed share of h/c does not: there
+/// the limit itself varies from 0.66 to 1.25 h/c.
+///
+/// Measured (elastic cube of 8^3 particles with free faces and random velocities, no viscosity, 1200 steps,
+/// dt bisected to 2 % until the kinetic energy triples): omega/max omega_i = 1.11-1.16 for h = 1.3 pitch,
+/// Wendland C2, and 0.91-1.05 for h = 0.71 pitch, cubic spline; regular, jittered by 0.1 and 0.25 pitch,
+/// squeezed by 20 %. So dt = 2/(1.16 omega_i), rounded down, is below the limit by 2-25 %.
 #include <cmath>
 
 #include "core/scene.h"
 
 namespace tuft::sph {
 
-/// Part of h/c that a step may be; measured, see docs beside each value.
+/// dt omega_i that is still stable.
+inline constexpr double stable_phase = 1.7;
+
 struct StepLimit {
   double smoothing_length = 0;     ///< m
-  double elastic_factor = 0;       ///< dt c/h at the limit without viscosity
   double viscosity_linear = 0;     ///< Monaghan alpha, 0 when viscosity is off
   double viscosity_quadratic = 0;  ///< Monaghan beta
 };
 
-/// Factors of h/c, by kernel; see measured_factor.
-[[nodiscard]] StepLimit make_step_limit(const SphOptions& options, bool artificial_viscosity);
+[[nodiscard]] inline StepLimit make_step_limit(const SphOptions& options, bool artificial_viscosity) {
+  if (!artificial_viscosity) return {options.smoothing_length, 0, 0};
+  return {options.smoothing_length, options.viscosity_linear, options.viscosity_quadratic};
+}
 
-/// dt = C h / (c + a (alpha c + beta h |D|)): the damped central-difference limit in Monaghan's form (1992),
-/// with c the speed of pressure waves and |D| the largest rate of compression by the trace of D.
-[[nodiscard]] TUFT_HD inline double particle_stable_step(const StepLimit& limit, double wave_speed,
-                                                         double compression_rate) {
-  const double viscous = limit.viscosity_linear * wave_speed +
-                         limit.viscosity_quadratic * limit.smoothing_length * std::abs(compression_rate);
-  return limit.elastic_factor * limit.smoothing_length / (wave_speed + 0.6 * viscous);
+/// frequency: omega_i, 1/s. wave_speed: c, m/s. strain_rate: |D| = sqrt(D : D), 1/s.
+///
+/// Viscosity acts with the velocity half a step behind, as a damping ratio xi would:
+/// dt = (2/omega)(sqrt(1 + xi^2) - xi). Measured: xi = 0.10-0.12 alpha; its quadratic term has alpha c + beta
+/// h |D| in place of alpha c. |D| is added to the frequency, for the geometry behind omega_i changes by |D|
+/// dt within the step.
+[[nodiscard]] TUFT_HD inline double particle_stable_step(const StepLimit& limit, double frequency,
+                                                         double wave_speed, double strain_rate) {
+  const double speed_ratio = limit.smoothing_length * strain_rate / wave_speed;
+  const double xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio);
+  return stable_phase / (frequency + strain_rate) * (std::sqrt(1 + xi * xi) - xi);
 }
 
 }  // namespace tuft::sph

@@ -73,8 +73,9 @@ inline void jitter(Lattice& lattice, double share, unsigned seed = 1) {
     lattice.position.add(i, {shift(random), shift(random), shift(random)});
 }
 
-/// Frictionless wall: particles closer than their radius are pushed along the normal by a linear spring with a light
-/// dashpot, as the coupler's contact does. Keeps its stored and dissipated energy, so that tests can balance.
+/// Frictionless wall: particles closer than their radius are pushed along the normal by a linear spring with
+/// a light dashpot, as the coupler's contact does. Keeps its stored and dissipated energy, so that tests can
+/// balance.
 struct PenaltyPlane {
   Vec3 point{0, 0, 0}, normal{0, 0, 1};
   double stiffness = 0;  ///< N/m
