@@ -22,6 +22,10 @@ std::string format_significant(double value, int digits) {
   return fmt::format("{:.{}f}", rounded, std::max(0, digits - 1 - exponent));
 }
 
+std::string format_input(double value) {
+  return std::isfinite(value) ? fmt::format("{:.6g}", value) : not_available;
+}
+
 std::string format_count(std::uint64_t value) {
   const std::string digits = fmt::format("{}", value);
   std::string grouped;

@@ -10,6 +10,8 @@ inline constexpr const char* not_available = "n/a";
 
 /// `digits` significant digits; fixed notation from 1e-4 to 1e6, "1.2e-10" outside it.
 [[nodiscard]] std::string format_significant(double value, int digits = 3);
+/// An input as its author wrote it: no digits added, "2.25".
+[[nodiscard]] std::string format_input(double value);
 /// 12400 -> "12 400".
 [[nodiscard]] std::string format_count(std::uint64_t value);
 /// Seconds of wall time: "850 ms", "12.3 s", "4 min 05 s", "2 h 10 min".

@@ -24,11 +24,13 @@ std::size_t terminal_width() {
 
 std::string progress_line(const rigs::Progress& progress) {
   std::string line = fmt::format("{:<9}", progress.stage);
-  // Packing has no simulated time; settling counts up to the release at zero.
+  // Packing counts its own share done; settling counts up to the release at zero.
   if (progress.end_time > 0 && progress.time >= 0 && progress.stage == "drop") {
     line += fmt::format(" {:6.2f} of {} ms  {:3.0f} %", 1e3 * progress.time,
                         format_significant(1e3 * progress.end_time, 3),
                         100 * std::clamp(progress.time / progress.end_time, 0.0, 1.0));
+  } else if (progress.stage == "packing" && progress.end_time > 0 && progress.time > 0) {
+    line += fmt::format(" {:3.0f} %", 100 * std::clamp(progress.time / progress.end_time, 0.0, 1.0));
   } else if (progress.time < 0) {
     line += fmt::format(" {:6.2f} ms to release", -1e3 * progress.time);
   }

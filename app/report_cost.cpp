@@ -55,6 +55,10 @@ std::string phase_table(const Runs& runs, const std::vector<std::string>& phases
     std::vector<std::string> row{name};
     for (const RunData& run : runs) {
       const double total = total_of(run.summary);
+      if (seconds(run.summary) <= 0) {
+        row.insert(row.end(), {"–", "–"});
+        continue;
+      }
       row.push_back(format_duration(seconds(run.summary)));
       row.push_back(total > 0 ? fmt::format("{:.1f} %", 100 * seconds(run.summary) / total) : not_available);
     }
@@ -110,7 +114,7 @@ std::string rates_table(const Runs& runs) {
   };
   using Summary = rigs::RunSummary;
   add("Wall time", [](const Summary& s) { return format_duration(s.wall_s); });
-  add("Wall time per simulated millisecond", [](const Summary& s) {
+  add("Wall time per simulated ms", [](const Summary& s) {
     return s.simulated_time > 0 ? format_duration(1e-3 * s.wall_s / s.simulated_time) : not_available;
   });
   add("Peak memory", [](const Summary& s) { return format_bytes(s.peak_memory_bytes); });
@@ -119,13 +123,12 @@ std::string rates_table(const Runs& runs) {
   add("Coupling windows", [](const Summary& s) { return format_count(s.steps); });
   add("Particle-steps", [](const Summary& s) { return format_rate(s.particle_steps_per_s); });
   add("Element-steps", [](const Summary& s) { return format_rate(s.element_steps_per_s); });
-  add("Share of the coupled step: contact and its search", [](const Summary& s) {
+  add("Contact and search, share of step", [](const Summary& s) {
     return format_percent(step_share(s, {"search", "contact"}));
   });
-  add("Share of the coupled step: exchange",
+  add("Exchange, share of step",
       [](const Summary& s) { return format_percent(step_share(s, {"exchange"})); });
-  add("Share of the coupled step: waiting",
-      [](const Summary& s) { return format_percent(step_share(s, {"waiting"})); });
+  add("Waiting, share of step", [](const Summary& s) { return format_percent(step_share(s, {"waiting"})); });
   return table.html();
 }
 
@@ -137,8 +140,8 @@ std::string report_cost(const Runs& runs) {
       "cost", "Cost",
       stacked_bars(runs, phases) + "<div class=\"columns\">\n" + phase_table(runs, phases) +
           rates_table(runs) +
-          "</div>\n<p class=\"note\">Wall-clock times on the machine that ran it. In DEM the host computes "
-          "the grains while the program waits for it, so the grains’ own cost is in the waiting.</p>\n");
+          "</div>\n<p class=\"note\">Wall-clock times on the machine that ran it. In DEM the infill’s "
+          "steps are LIGGGHTS’ own; exchange and waiting are what its process of its own adds.</p>\n");
 }
 
 }  // namespace tuft::app

@@ -12,23 +12,18 @@ namespace {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2, ISO 80000-3
 
-std::vector<double> scaled(const std::vector<double>& values, double factor, double shift = 0) {
-  std::vector<double> result(values.size());
-  std::transform(values.begin(), values.end(), result.begin(),
-                 [&](double v) { return factor * (v - shift); });
-  return result;
-}
-
+/// Each curve begins at the release: before it the missile is not there.
 void add_series(Plot& plot, const Runs& runs, const std::string& column, double factor, bool faint,
                 const std::string& suffix) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!runs[i].history.has(column)) continue;
-    Series series;
-    series.label = runs[i].label + suffix;
-    series.style = run_style(runs, i);
-    series.x = scaled(runs[i].history.time, 1e3, time_origin(runs[i]));
-    series.y = scaled(runs[i].history.at(column), factor);
-    series.faint = faint;
+    Series series{runs[i].label + suffix, run_style(runs, i), {}, {}, faint, false};
+    const TimeTable& history = runs[i].history;
+    for (std::size_t row = 0; row < history.time.size(); ++row) {
+      if (history.time[row] < 0) continue;
+      series.x.push_back(1e3 * (history.time[row] - time_origin(runs[i])));
+      series.y.push_back(factor * history.at(column)[row]);
+    }
     plot.series.push_back(std::move(series));
   }
 }

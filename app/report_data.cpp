@@ -10,7 +10,8 @@
 namespace tuft::app {
 namespace {
 
-/// All columns cut to the shortest: a kill in the middle of a flush can leave some a row longer.
+/// All columns cut to the shortest: a kill in the middle of a flush can leave some a row longer. Empty ones
+/// are left out: what is computed at the end of a run (filtered signals) is missing in one that was killed.
 TimeTable read_time_table(const h5::Group& root, const std::string& name) {
   TimeTable table;
   if (!root.has(name)) return table;
@@ -20,6 +21,7 @@ TimeTable read_time_table(const h5::Group& root, const std::string& name) {
   for (const std::string& member : group.names()) {
     if (group.shape(member).size() != 1) continue;
     std::vector<double> values = group.read_doubles(member);
+    if (values.empty() && member != "time") continue;
     rows = std::min(rows, values.size());
     if (member == "time")
       table.time = std::move(values);

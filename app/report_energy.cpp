@@ -42,18 +42,26 @@ std::size_t row_at(const std::vector<double>& time, double at) {
   return found == time.end() ? 0 : static_cast<std::size_t>(found - time.begin());
 }
 
+/// First row with the missile in motion: its energy has entered the books, nothing has been spent yet.
+std::size_t row_of_release(const TimeTable& energy) {
+  std::size_t row = row_at(energy.time, 0);
+  if (!energy.has("kinetic_bodies")) return row;
+  const std::vector<double>& missile = energy.at("kinetic_bodies");
+  while (row + 1 < missile.size() && missile[row] <= 0) ++row;
+  return row;
+}
+
 /// Change since the release, J. The missile's own term stays absolute: it is what there is to spend.
 std::vector<double> since_release(const TimeTable& energy, const std::string& column) {
   std::vector<double> values = energy.at(column);
-  const double start = column == "kinetic_bodies" || values.empty() ? 0 : values[row_at(energy.time, 0)];
+  const double start = column == "kinetic_bodies" || values.empty() ? 0 : values[row_of_release(energy)];
   for (double& value : values) value -= start;
   return values;
 }
 
-double largest_after(const std::vector<double>& time, const std::vector<double>& values) {
+double largest_after(std::size_t first, const std::vector<double>& values) {
   double largest = 0;
-  for (std::size_t i = row_at(time, 0); i < values.size(); ++i)
-    largest = std::max(largest, std::abs(values[i]));
+  for (std::size_t i = first; i < values.size(); ++i) largest = std::max(largest, std::abs(values[i]));
   return largest;
 }
 
@@ -65,22 +73,25 @@ Plot balance_plot(const RunData& run, std::size_t index, std::string& small) {
             {},
             {}};
   std::map<std::string, std::vector<double>> values;
+  const std::size_t release = row_of_release(run.energy);
   double scale = 0;
   for (const Term& term : terms()) {
     if (!run.energy.has(term.column)) continue;
     values[term.column] = since_release(run.energy, term.column);
-    scale = std::max(scale, largest_after(run.energy.time, values[term.column]));
+    scale = std::max(scale, largest_after(release, values[term.column]));
   }
   for (const Term& term : terms()) {
     if (!values.contains(term.column)) continue;
-    const double largest = largest_after(run.energy.time, values[term.column]);
+    const double largest = largest_after(release, values[term.column]);
     if (largest < 0.01 * scale) {
       small +=
           fmt::format("{}{} ({} J)", small.empty() ? "" : ", ", term.label, format_significant(largest, 2));
       continue;
     }
     Series series{term.label, term.style, {}, values[term.column], false, false};
-    for (const double t : run.energy.time) series.x.push_back(1e3 * (t - time_origin(run)));
+    series.y.erase(series.y.begin(), series.y.begin() + static_cast<std::ptrdiff_t>(release));
+    for (std::size_t row = release; row < run.energy.time.size(); ++row)
+      series.x.push_back(1e3 * (run.energy.time[row] - time_origin(run)));
     plot.series.push_back(std::move(series));
   }
   if (!run.energy.time.empty()) {

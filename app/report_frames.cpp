@@ -8,6 +8,8 @@
 namespace tuft::app {
 namespace {
 
+constexpr double release_tolerance = 1e-9;  // s, a frame of the moment of release shows the state before it
+
 /// Row `frame` of a dataset [F, ...].
 std::vector<double> read_row(const h5::Group& group, const std::string& name, std::size_t frame) {
   const std::vector<std::uint64_t> shape = group.shape(name);
@@ -23,9 +25,12 @@ std::vector<double> read_optional(const h5::Group& group, const std::string& nam
   return group.has(name) ? group.read_doubles(name) : std::vector<double>(count, otherwise);
 }
 
-Missile read_missile(const h5::Group& frames, std::size_t frame, const std::optional<Scene>& scene) {
+/// A missile of radius zero is not there: up to the release it waits outside.
+Missile read_missile(const h5::Group& frames, std::size_t frame, double time,
+                     const std::optional<Scene>& scene) {
   Missile missile;
   if (scene) missile = {0.5 * scene->rig.clegg.diameter, scene->rig.clegg.height, 0, 0, 0};
+  if (time <= release_tolerance) missile.radius = 0;
   if (!frames.has("bodies") || !frames.open_group("bodies").has("missile")) return missile;
   const h5::Group group = frames.open_group("bodies").open_group("missile");
   const std::vector<double> position = read_row(group, "position", frame);
@@ -85,7 +90,7 @@ std::optional<Section> RunData::section(double time) const {
   section.time = *nearest;
   try {
     const h5::Group frames = h5::File::open(folder / "run.h5").root().open_group("frames");
-    section.missile = read_missile(frames, frame, scene);
+    section.missile = read_missile(frames, frame, section.time, scene);
     if (frames.has("infill")) read_dots(frames.open_group("infill"), frame, section);
     // Tufts stand a gauge apart: a slice of that thickness holds one row of them wherever the plane falls.
     if (frames.has("carpet"))

@@ -18,25 +18,24 @@ std::string state_badge(const rigs::RunSummary& summary) {
 
 std::string describe_rig(const Scene& scene) {
   const CleggRig& clegg = scene.rig.clegg;
-  return fmt::format("Clegg hammer: {} kg, {} mm diameter, {} m/s at first contact",
-                     format_significant(clegg.mass, 4), format_significant(1e3 * clegg.diameter, 3),
-                     format_significant(clegg.speed, 3));
+  return fmt::format("Clegg hammer: {} kg, {} mm diameter, {} m/s at first contact", format_input(clegg.mass),
+                     format_input(1e3 * clegg.diameter), format_input(clegg.speed));
 }
 
 std::string describe_turf(const Scene& scene) {
   std::string layers;
   for (const Layer& layer : scene.turf.layers) {
     if (!layers.empty()) layers += ", ";
-    layers += fmt::format("{} mm {}", format_significant(1e3 * layer.depth, 3),
+    layers += fmt::format("{} mm {}", format_input(1e3 * layer.depth),
                           escape_html(scene.materials.at(static_cast<std::size_t>(layer.material)).name));
   }
   const CarpetDesign& carpet = scene.turf.carpet;
   return fmt::format(
       "{} × {} mm patch; infill from the bottom: {}; pile {} mm, gauge {} mm, stitch {} mm, {} strands a "
       "tuft",
-      format_significant(1e3 * scene.turf.size[0], 3), format_significant(1e3 * scene.turf.size[1], 3),
-      layers, format_significant(1e3 * carpet.pile_length, 3), format_significant(1e3 * carpet.gauge, 3),
-      format_significant(1e3 * carpet.stitch_spacing, 3), carpet.strands_per_tuft);
+      format_input(1e3 * scene.turf.size[0]), format_input(1e3 * scene.turf.size[1]), layers,
+      format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
+      format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft);
 }
 
 std::string describe_states(const Runs& runs) {
@@ -57,7 +56,19 @@ std::string describe_states(const Runs& runs) {
 std::string difference(double first, double second) {
   if (!std::isfinite(first) || !std::isfinite(second) || first == 0) return not_available;
   const double relative = (second - first) / std::abs(first);
+  if (std::abs(relative) < 5e-4) return "0 %";
   return fmt::format("{}{} %", relative < 0 ? "−" : "+", format_significant(std::abs(100 * relative), 2));
+}
+
+/// The rig's main results first, in the order a reader asks for them, then the rest by name.
+std::vector<std::string> result_names(const Runs& runs) {
+  std::vector<std::string> order{"peak_g", "time_of_peak", "rebound_velocity", "max_penetration"};
+  std::set<std::string> present;
+  for (const RunData& run : runs)
+    for (const auto& [name, quantity] : run.summary.results) present.insert(name);
+  std::erase_if(order, [&](const std::string& name) { return present.erase(name) == 0; });
+  order.insert(order.end(), present.begin(), present.end());
+  return order;
 }
 
 std::vector<std::string> result_row(const Runs& runs, const std::string& name, std::vector<double>& values) {
@@ -98,9 +109,7 @@ std::string report_head(const Runs& runs) {
 }
 
 std::string report_results(const Runs& runs) {
-  std::set<std::string> names;
-  for (const RunData& run : runs)
-    for (const auto& [name, quantity] : run.summary.results) names.insert(name);
+  const std::vector<std::string> names = result_names(runs);
   if (names.empty())
     return html_section("results", "Results",
                         "<p class=\"missing\">No result was measured before the run ended.</p>\n");

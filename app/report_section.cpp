@@ -28,8 +28,10 @@ double frame_at_or_before(const std::vector<double>& times, double time) {
 std::vector<Instant> instants(const RunData& run) {
   if (run.frame_times.empty()) return {};
   std::vector<Instant> chosen;
-  if (run.touch_time)
-    chosen.push_back({"before touch", frame_at_or_before(run.frame_times, *run.touch_time)});
+  if (run.touch_time) {
+    const double time = frame_at_or_before(run.frame_times, *run.touch_time);
+    chosen.push_back({time > 0 ? "before touch" : "settled, before the release", time});
+  }
   if (const auto peak = peak_time(run); peak && run.touch_time)
     chosen.push_back({"peak deceleration", *peak});
   const bool rebounds = run.history.has("velocity") && !run.history.at("velocity").empty() &&
@@ -48,7 +50,7 @@ std::string panels(const RunData& run, std::size_t index, const SectionFrame& fr
         "<figure>\n" + section_svg(*section, frame, fmt::format("section-{}-{}", index, panel++), most_dots);
     const double since = section->time - time_origin(run);
     std::string caption = fmt::format("{}{} ms, {}", since < 0 ? "−" : "",
-                                      format_significant(std::abs(1e3 * since), 3), instant.name);
+                                      fmt::format("{:.2f}", std::abs(1e3 * since)), instant.name);
     if (section->dots.size() > most_dots)
       caption += fmt::format("; 1 in {} particles drawn", (section->dots.size() + most_dots - 1) / most_dots);
     text += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", caption);

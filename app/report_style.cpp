@@ -30,13 +30,13 @@ p { margin:8px 0; } p.run { margin:4px 0; }
 .state.completed { color:var(--good); } .state.failed,.error,.bad { color:var(--bad); } .good { color:var(--good); }
 .good,.bad { font-size:12px; margin-left:6px; } .off { color:var(--soft); }
 table { border-collapse:collapse; margin:10px 0; font-variant-numeric:tabular-nums; }
-th,td { padding:5px 0 5px 26px; text-align:right; vertical-align:baseline; border-bottom:1px solid var(--grid); font-weight:400; }
+th,td { padding:5px 0 5px 22px; text-align:right; vertical-align:baseline; border-bottom:1px solid var(--grid); font-weight:400; }
 th:first-child { text-align:left; padding-left:0; }
 thead th { color:var(--soft); font-size:13px; border-bottom:1px solid var(--rule); white-space:nowrap; }
 th i { font-style:normal; color:var(--soft); }
 table.prose th,table.prose td { text-align:left; } table.prose td { font-size:13.5px; }
 .key { display:inline-block; width:10px; height:10px; border-radius:2px; margin-right:7px; background:var(--soft); }
-.columns { display:flex; flex-wrap:wrap; gap:12px 56px; align-items:flex-start; }
+.columns { display:flex; flex-wrap:wrap; gap:12px 48px; align-items:flex-start; }
 figure { margin:0; } figure.plot { margin:10px 0 18px; position:relative; }
 figure.plot svg { display:block; width:100%; height:auto; overflow:hidden; }
 svg text { fill:var(--soft); font-size:12.5px; font-family:inherit; } svg text.label { fill:var(--ink); font-size:13px; }
@@ -54,8 +54,8 @@ svg.section circle { stroke:var(--panel); stroke-width:.12; }
 .strand { fill:var(--strand); fill-opacity:.75; stroke:var(--strand); stroke-linejoin:round; }
 .backing { fill:var(--backing); stroke:var(--backing); stroke-linejoin:round; }
 .missile { fill:var(--missile); stroke:var(--missile-edge); stroke-width:.5; }
-.tray { fill:none; stroke:var(--soft); stroke-width:.6; } path.scale { fill:none; stroke:var(--ink); stroke-width:.5; }
-svg text.scale { font-size:inherit; fill:var(--ink); }
+.tray { fill:none; stroke:var(--soft); stroke-width:.6; } path.scale { fill:none; stroke:var(--soft); stroke-width:.5; }
+svg text.scale { fill:var(--soft); }
 .cursor { stroke:var(--soft); stroke-dasharray:2 3; }
 .readout { position:absolute; top:0; right:14px; font-size:12.5px; font-variant-numeric:tabular-nums; color:var(--ink); background:var(--page); padding:0 4px; }
 .c0{stroke:var(--c0)}.c1{stroke:var(--c1)}.c2{stroke:var(--c2)}.c3{stroke:var(--c3)}.c4{stroke:var(--c4)}.c5{stroke:var(--c5)}

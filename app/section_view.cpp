@@ -60,15 +60,16 @@ std::string tray(const SectionFrame& frame) {
                      mm(frame.wall_right), -mm(frame.wall_top));
 }
 
+/// Under the floor, where nothing moves.
 std::string scale_bar(const SectionFrame& frame) {
   const double width = mm(frame.right - frame.left);
   const double length = width > 150 ? 50 : width > 60 ? 20 : 10;
-  const double x = mm(frame.right) - 4 - length, y = -mm(frame.top) + 4;
+  const double x = mm(frame.wall_left > frame.left ? frame.wall_left : frame.left + 0.003);
+  const double y = -mm(frame.bottom) - 0.022 * width;
   return fmt::format(
-      "<path class=\"scale\" d=\"M{:.1f} {:.1f}h{:.0f}\"/><text class=\"scale middle\" x=\"{:.1f}\" "
-      "y=\"{:.1f}\" "
-      "font-size=\"{:.1f}\">{:.0f} mm</text>\n",
-      x, y, length, x + 0.5 * length, y + 0.045 * width, 0.036 * width, length);
+      "<path class=\"scale\" d=\"M{:.1f} {:.1f}h{:.0f}\"/><text class=\"scale\" x=\"{:.1f}\" y=\"{:.1f}\" "
+      "style=\"font-size:{:.1f}px\">{:.0f} mm</text>\n",
+      x, y, length, x + length + 0.012 * width, y + 0.012 * width, 0.034 * width, length);
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ SectionFrame make_section_frame(const Scene& scene) {
   frame.left = std::max(-half - 0.003, axis - reach);
   frame.right = std::min(half + 0.003, axis + reach);
   const double surface = scene.turf.carpet.backing_thickness + scene.infill_depth();
-  frame.bottom = -0.003;
+  frame.bottom = -0.045 * (frame.right - frame.left) - 0.001;
   frame.top = std::max(surface, std::min(scene.turf.carpet.pile_length, surface + 0.03)) + 0.012;
   frame.wall_left = -half;
   frame.wall_right = half;

@@ -131,13 +131,14 @@ std::string curve(const Series& series, const Axis& x, const Axis& y) {
 
 std::string legend(const Plot& plot) {
   std::string text = "<p class=\"legend\">";
-  for (const Series& series : plot.series)
-    if (!series.label.empty())
-      text += fmt::format(
-          "<span><svg class=\"swatch\" width=\"26\" height=\"10\" aria-hidden=\"true\"><line "
-          "class=\"{}{}{}\" x1=\"1\" x2=\"25\" y1=\"5\" y2=\"5\"/></svg>{}</span> ",
-          series.style, series.faint ? " faint" : "", series.dashed ? " dashed" : "",
-          escape_html(series.label));
+  for (const bool faint : {false, true})
+    for (const Series& series : plot.series)
+      if (series.faint == faint && !series.label.empty())
+        text += fmt::format(
+            "<span><svg class=\"swatch\" width=\"26\" height=\"10\" aria-hidden=\"true\"><line "
+            "class=\"{}{}{}\" x1=\"1\" x2=\"25\" y1=\"5\" y2=\"5\"/></svg>{}</span> ",
+            series.style, series.faint ? " faint" : "", series.dashed ? " dashed" : "",
+            escape_html(series.label));
   return text + "</p>\n";
 }
 

@@ -1,0 +1,135 @@
+/// Whole runs through the command line: what they leave, stopping, resuming, failing.
+#include <nlohmann/json.hpp>
+
+#include "cli/commands/command.h"
+
+namespace tuft::test {
+namespace {
+
+std::vector<std::string> tiny_run(const std::string& folder, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"run"};
+  const auto scene = tiny_scene();
+  words.insert(words.end(), scene.begin(), scene.end());
+  words.insert(words.end(), {"--infill", "sph", "--out", folder});
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+nlohmann::json summary_in(const std::string& folder) {
+  return nlohmann::json::parse(read_text(folder + "/summary.json"));
+}
+
+TEST(Run, LeavesEveryFileOfTheContractAndSaysNothingOnStandardError) {
+  const Workplace place;
+  const Outcome outcome = run_tuft(tiny_run(place.path("run")));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_TRUE(outcome.error.empty()) << outcome.error;
+  for (const char* name :
+       {"scene.toml", "summary.json", "run.h5", "run.xdmf", "checkpoint.h5", "log.txt", "report.html"})
+    EXPECT_TRUE(std::filesystem::exists(place.path(std::string("run/") + name))) << name;
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "completed");
+  EXPECT_NE(outcome.out.find("report: "), std::string::npos);
+}
+
+TEST(Run, ShowsAsJsonWhatItsSummaryHolds) {
+  const Workplace place;
+  ASSERT_EQ(run_tuft(tiny_run(place.path("run"))).exit_code, 0);
+  const Outcome shown = run_tuft({"show", place.path("run"), "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.error;
+  EXPECT_EQ(nlohmann::json::parse(shown.out), summary_in(place.path("run")));
+}
+
+TEST(Run, ThatIsStoppedCanBeResumedToTheEnd) {
+  const Workplace place;
+  const Outcome stopped = run_tuft(tiny_run(place.path("run"), {"--stop-after-checkpoints", "1"}));
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.error;
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "stopped");
+  EXPECT_NE(stopped.out.find("tuft resume"), std::string::npos);
+  const Outcome resumed = run_tuft({"resume", place.path("run")});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.error;
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "completed");
+  const Outcome again = run_tuft({"resume", place.path("run")});
+  EXPECT_EQ(again.exit_code, 0) << again.error;
+  EXPECT_NE(again.out.find("completed already"), std::string::npos);
+}
+
+TEST(Run, IsResumedFromItsResolvedSceneAloneWithoutTheOriginal) {
+  const Workplace place;
+  ASSERT_EQ(run_tuft(tiny_run(place.path("run"), {"--stop-after-checkpoints", "1"})).exit_code, 0);
+  std::filesystem::rename(place.path("run"), place.path("moved"));
+  const Outcome resumed = run_tuft({"resume", place.path("moved"), "--threads", "1"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+}
+
+TEST(Run, ThatIsInterruptedWritesACheckpointAndStops) {
+  const Workplace place;
+  const Outcome outcome = run_tuft(tiny_run(place.path("run"), {"--set", "scene.duration=10 s"}), 3);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.error;
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "stopped");
+  EXPECT_TRUE(std::filesystem::exists(place.path("run/checkpoint.h5")));
+  EXPECT_NE(outcome.out.find("tuft resume"), std::string::npos);
+}
+
+TEST(Run, OverItsEnergyLimitFailsAndKeepsItsRecords) {
+  const Workplace place;
+  const Outcome outcome =
+      run_tuft(tiny_run(place.path("run"), {"--set", "numerics.energy_error_limit=1e-12"}));
+  expect_failed_run(outcome, {"energy"});
+  const auto summary = summary_in(place.path("run"));
+  EXPECT_EQ(summary["status"], "failed");
+  EXPECT_NE(outcome.error.find(summary["error"].get<std::string>()), std::string::npos);
+  EXPECT_EQ(run_tuft({"report", place.path("run")}).exit_code, 0);
+  EXPECT_NE(read_text(place.path("run/report.html")).find("state failed"), std::string::npos);
+}
+
+TEST(Run, WhoseDiskIsFullFailsAndStaysReadable) {
+  const Workplace place;
+  const Outcome outcome = run_tuft(
+      tiny_run(place.path("run"), {"--set", "output.frames=0.02 ms", "--set", "scene.duration=4 ms"}), 0,
+      300'000);
+  expect_failed_run(outcome, {"run.h5"});
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "failed");
+  EXPECT_EQ(run_tuft({"show", place.path("run")}).exit_code, 0);
+  EXPECT_EQ(run_tuft({"report", place.path("run")}).exit_code, 0);
+}
+
+TEST(Check, SaysOk) {
+  std::vector<std::string> words{"check"};
+  const auto scene = tiny_scene();
+  words.insert(words.end(), scene.begin(), scene.end());
+  const Outcome outcome = run_tuft(words);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("ok\n"), std::string::npos) << outcome.out;
+}
+
+TEST(Explain, NamesEffectsSizesStepsAndPrediction) {
+  std::vector<std::string> words{"explain"};
+  const auto scene = tiny_scene();
+  words.insert(words.end(), scene.begin(), scene.end());
+  const Outcome outcome = run_tuft(words);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const char* part : {"Effects", "fibres", "off", "particles", "coupling window", "wall time", "memory"})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << " is missing in:\n" << outcome.out;
+}
+
+/// Without a host DEM fails; SPH must run, be reported, and the whole exit with 1.
+TEST(Compare, ReportsTheRunThatSucceededWhenTheOtherFails) {
+  const Workplace place;
+  std::vector<std::string> words{"compare"};
+  const auto scene = tiny_scene();
+  words.insert(words.end(), scene.begin(), scene.end());
+  words.insert(words.end(), {"--set", "infill.dem.host=/no/such/host", "--out", place.path("both")});
+  const Outcome outcome = run_tuft(words);
+  expect_failed_run(outcome, {"dem: ", "/no/such/host"});
+  EXPECT_EQ(summary_in(place.path("both/sph"))["status"], "completed");
+  EXPECT_EQ(summary_in(place.path("both/dem"))["status"], "failed");
+  const std::string page = read_text(place.path("both/report.html"));
+  EXPECT_NE(page.find("state completed"), std::string::npos);
+  EXPECT_NE(page.find("state failed"), std::string::npos);
+  const Outcome shown = run_tuft({"show", place.path("both"), "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.error;
+  EXPECT_EQ(nlohmann::json::parse(shown.out)["dem"]["status"], "failed");
+}
+
+}  // namespace
+}  // namespace tuft::test
