@@ -51,7 +51,7 @@ void check_options(const CarpetOptions& options) {
 }
 
 /// Per node the sum over its elements of (m_e / 4) / dt_e^2, with dt_e = 2 / frequency bound of the element.
-/// Never less than the node's mass over the square of the mesh's stable step.
+/// Never more than the node's mass over the square of the stable step of the mesh.
 std::vector<double> contact_stiffness_of_nodes(const ElementArrays& elements, const ShellMesh& mesh) {
   std::vector<double> stiffness(mesh.nodes.size(), 0.0);
   std::vector<double> frequency_squared(elements.element.size());
@@ -118,7 +118,10 @@ namespace {
 
 constexpr std::array<char, 3> axis_name{'x', 'y', 'z'};
 
-/// First value of an array of vectors that is not finite: node and axis, or npos.
+/// Beyond this a square overflows: as good as not finite.
+constexpr double overflow = 1e150;
+
+/// A value of an array of vectors that is not finite.
 struct BadValue {
   std::size_t node = 0;
   char axis = 0;
@@ -129,7 +132,7 @@ bool find_bad_value(const Vec3Array& values, BadValue& bad) {
   const std::array<const std::vector<double>*, 3> components{&values.x, &values.y, &values.z};
   for (std::size_t n = 0; n < values.size(); ++n)
     for (std::size_t c = 0; c < 3; ++c)
-      if (const double value = (*components[c])[n]; !std::isfinite(value)) {
+      if (const double value = (*components[c])[n]; !(std::abs(value) < overflow)) {
         bad = {n, axis_name[c], value};
         return true;
       }

@@ -122,7 +122,7 @@ void add_backing(const CarpetDesign& d, const BackingGrid& grid, ShellMesh& mesh
                d.backing_thickness, 0, ShellMesh::backing_surface);
 }
 
-void add_strand(const CarpetDesign& d, const std::vector<StrandRow>& rows, Index root_left, Index root_right,
+void add_strand(const std::vector<StrandRow>& rows, double thickness, Index root_left, Index root_right,
                 ShellMesh& mesh) {
   const Index surface = mesh.surface_count++;
   Index left = root_left, right = root_right;
@@ -131,7 +131,7 @@ void add_strand(const CarpetDesign& d, const std::vector<StrandRow>& rows, Index
     mesh.nodes.push_back(rows[k].left);
     mesh.nodes.push_back(rows[k].right);
     mesh.clamped.insert(mesh.clamped.end(), {0, 0});
-    add_quad(mesh, {left, right, next_left + 1, next_left}, d.strand_thickness, 1, surface);
+    add_quad(mesh, {left, right, next_left + 1, next_left}, thickness, 1, surface);
     left = next_left;
     right = next_left + 1;
   }
@@ -163,9 +163,8 @@ ShellMesh generate_carpet(const CarpetDesign& design, std::array<double, 2> size
     for (const double x : tuft_x) {
       const std::size_t i = line_at(grid.x, x - design.strand_width / 2), j = line_at(grid.y, y);
       const Vec3 root(x, y, design.backing_thickness / 2);
-      for (const StrandAngles& angles : draw_tuft(design, random))
-        add_strand(design, strand_inside(design, root, angles, bounds), grid.node(i, j), grid.node(i + 1, j),
-                   mesh);
+      for (const std::vector<StrandRow>& rows : tuft_inside(design, root, draw_tuft(design, random), bounds))
+        add_strand(rows, design.strand_thickness, grid.node(i, j), grid.node(i + 1, j), mesh);
     }
   return mesh;
 }

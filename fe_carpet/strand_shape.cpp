@@ -9,8 +9,15 @@ namespace {
 constexpr double bend_share = 0.25;
 constexpr double twist_deviation = 0.5;  ///< rad at the tip
 constexpr double largest_normal = 2;     ///< draws are cut off at two standard deviations
-constexpr int straightening_rounds = 40;
-constexpr double straightening = 0.85;
+constexpr int shifting_rounds = 12;      ///< of correction near walls, before strands are straightened
+constexpr int correction_rounds = 72;
+constexpr double straightening = 0.9;   ///< of all angles, per round
+constexpr double overcorrection = 1.3;  ///< a tilt moves the tip by less than tilt x length
+
+void limit_tilt(StrandAngles& strand) {
+  strand.forward = std::clamp(strand.forward, -largest_tilt, largest_tilt);
+  strand.sideways = std::clamp(strand.sideways, -largest_tilt / 2, largest_tilt / 2);
+}
 
 double cut_normal(double p) {
   return std::clamp(normal_quantile(p), -largest_normal, largest_normal);
@@ -42,12 +49,36 @@ RibbonFrame ribbon_frame(const StrandAngles& angles, double share) {
   return {tangent, std::cos(twist) * untwisted + std::sin(twist) * normal};
 }
 
-bool inside(const std::vector<StrandRow>& rows, const StrandBounds& bounds, double floor) {
-  const auto node_inside = [&](const Vec3& p) {
-    return std::abs(p.x()) <= bounds.half_size[0] && std::abs(p.y()) <= bounds.half_size[1] && p.z() > floor;
-  };
-  return std::all_of(rows.begin() + 1, rows.end(),
-                     [&](const StrandRow& row) { return node_inside(row.left) && node_inside(row.right); });
+/// How far the strands of a tuft stand out of the bounds on each side, m; 0 where they do not.
+struct Overshoot {
+  std::array<double, 2> low{}, high{};  ///< in x and y
+  bool sunk = false;                    ///< a node lies at the root's height or below
+  [[nodiscard]] bool any() const { return sunk || low[0] + low[1] + high[0] + high[1] > 0; }
+};
+
+Overshoot find_overshoot(const std::vector<std::vector<StrandRow>>& strands, const StrandBounds& bounds,
+                         double floor) {
+  Overshoot out;
+  for (const std::vector<StrandRow>& rows : strands)
+    for (std::size_t k = 1; k < rows.size(); ++k)
+      for (const Vec3& p : {rows[k].left, rows[k].right}) {
+        for (std::size_t c = 0; c < 2; ++c) {
+          const double at = p[static_cast<Eigen::Index>(c)];
+          out.low[c] = std::max(out.low[c], -bounds.half_size[c] - at);
+          out.high[c] = std::max(out.high[c], at - bounds.half_size[c]);
+        }
+        out.sunk = out.sunk || p.z() <= floor;
+      }
+  return out;
+}
+
+/// New angles of one direction: all shifted away from the wall that is touched, so that the strands keep
+/// their distances; straightened where shifting cannot help.
+void correct_angles(std::vector<StrandAngles>& angles, double StrandAngles::*angle, double low, double high,
+                    double pile_length, bool straighten) {
+  const double shift = straighten || low * high > 0 ? 0 : overcorrection * (low - high) / pile_length;
+  const double scale = straighten || low * high > 0 ? straightening : 1;
+  for (StrandAngles& strand : angles) strand.*angle = scale * strand.*angle + shift;
 }
 
 }  // namespace
@@ -77,10 +108,7 @@ std::vector<StrandAngles> draw_tuft(const CarpetDesign& design, Random& random) 
     strands[i].forward = wanted;
   }
   for (StrandAngles& s : strands) s.forward -= added / static_cast<double>(count);
-  for (StrandAngles& s : strands) {
-    s.forward = std::clamp(s.forward, -largest_tilt, largest_tilt);
-    s.sideways = std::clamp(s.sideways, -largest_tilt / 2, largest_tilt / 2);
-  }
+  for (StrandAngles& s : strands) limit_tilt(s);
   return strands;
 }
 
@@ -99,24 +127,26 @@ std::vector<StrandRow> strand_rows(const CarpetDesign& design, const Vec3& root,
   return rows;
 }
 
-std::vector<StrandRow> strand_inside(const CarpetDesign& design, const Vec3& root, StrandAngles angles,
-                                     const StrandBounds& bounds) {
-  std::vector<StrandRow> rows = strand_rows(design, root, angles);
-  for (int round = 0; round < straightening_rounds && !inside(rows, bounds, root.z()); ++round) {
-    // Away from the nearer wall first, then ever straighter; upright it always fits, tufts keep that far from
-    // the walls.
-    if (round == 0 && bounds.half_size[1] - std::abs(root.y()) < design.pile_length)
-      angles.forward = -std::copysign(angles.forward, root.y());
-    if (round == 0 && bounds.half_size[0] - std::abs(root.x()) < design.pile_length)
-      angles.sideways = -std::copysign(angles.sideways, root.x());
-    if (round > 0) {
-      angles.forward *= straightening;
-      angles.sideways *= straightening;
-      angles.twist *= straightening;
+std::vector<std::vector<StrandRow>> tuft_inside(const CarpetDesign& design, const Vec3& root,
+                                                std::vector<StrandAngles> angles,
+                                                const StrandBounds& bounds) {
+  std::vector<std::vector<StrandRow>> strands;
+  for (int round = 0; round < correction_rounds; ++round) {
+    strands.clear();
+    for (const StrandAngles& strand : angles) strands.push_back(strand_rows(design, root, strand));
+    const Overshoot out = find_overshoot(strands, bounds, root.z());
+    if (!out.any()) break;
+    // Upright strands always fit, since tufts keep their distance from the walls.
+    const bool straighten = round >= shifting_rounds;
+    correct_angles(angles, &StrandAngles::sideways, out.low[0], out.high[0], design.pile_length, straighten);
+    correct_angles(angles, &StrandAngles::forward, out.low[1], out.high[1], design.pile_length,
+                   straighten || out.sunk);
+    for (StrandAngles& strand : angles) {
+      limit_tilt(strand);
+      if (straighten || out.sunk) strand.twist *= straightening;
     }
-    rows = strand_rows(design, root, angles);
   }
-  return rows;
+  return strands;
 }
 
 }  // namespace tuft::fe

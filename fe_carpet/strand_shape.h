@@ -45,9 +45,11 @@ struct StrandBounds {
 [[nodiscard]] std::vector<StrandRow> strand_rows(const CarpetDesign& design, const Vec3& root,
                                                  const StrandAngles& angles);
 
-/// As strand_rows, but mirrored away from a wall that the strand would touch and, where that is not enough,
-/// straightened until it stays within the bounds and above its root.
-[[nodiscard]] std::vector<StrandRow> strand_inside(const CarpetDesign& design, const Vec3& root,
-                                                   StrandAngles angles, const StrandBounds& bounds);
+/// The strands of a tuft, leaning away from a wall that one of them would touch (all by the same angle, so
+/// that they keep their distances) and, where that is not enough, straightened until they stay within the
+/// bounds and above the root.
+[[nodiscard]] std::vector<std::vector<StrandRow>> tuft_inside(const CarpetDesign& design, const Vec3& root,
+                                                              std::vector<StrandAngles> angles,
+                                                              const StrandBounds& bounds);
 
 }  // namespace tuft::fe

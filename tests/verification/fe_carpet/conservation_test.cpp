@@ -1,0 +1,206 @@
+/// Momentum, drilling, and bits: what the loops must keep whatever the mesh does.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "core/hdf5_file.h"
+#include "core/parallel.h"
+#include "tests/verification/fe_carpet/strip.h"
+
+namespace tuft::fe::test {
+namespace {
+
+/// Velocities without any pattern, so that every mode is excited: up to 1 m/s and 100 rad/s.
+void shake(Carpet& carpet) {
+  const NodeView nodes = carpet.nodes();
+  for (std::size_t n = 0; n < nodes.x.size(); ++n) {
+    if (nodes.clamped[n]) continue;
+    const auto wave = [n](double k) { return std::sin(k * static_cast<double>(n) + k); };
+    carpet.set_velocity(n, Vec3(wave(1.1), wave(2.3), wave(3.7)),
+                        100 * Vec3(wave(0.7), wave(1.9), wave(2.9)));
+  }
+}
+
+Vec3 momentum(const Carpet& carpet) {
+  const NodeView v = carpet.nodes();
+  Vec3 sum(0, 0, 0);
+  for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]);
+  return sum;
+}
+
+double momentum_scale(const Carpet& carpet) {
+  const NodeView v = carpet.nodes();
+  double sum = 0;
+  for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]).norm();
+  return sum;
+}
+
+/// Strips standing up from a patch of backing, with shared root nodes and two thicknesses.
+ShellMesh small_turf() {
+  CarpetDesign d;
+  d.gauge = 0.008;
+  d.stitch_spacing = 0.006;
+  d.strands_per_tuft = 3;
+  d.pile_length = 0.03;
+  d.strand_width = 0.0013;
+  d.strand_thickness = 0.0001;
+  d.lean = 0.2;
+  d.fan_out = 0.2;
+  d.element_length = 0.003;
+  d.backing_thickness = 0.001;
+  d.backing_element = 0.004;
+  return generate_carpet(d, {0.04, 0.04}, 7, true);
+}
+
+std::vector<ShellMaterial> turf_materials() {
+  return {{0.2e9, 0.3, 900}, polyethylene()};
+}
+
+TEST(FreeStrip, KeepsItsMomentumToRounding) {
+  const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 3}, false);
+  Carpet carpet(strip.mesh, {polyethylene()}, no_gravity());
+  shake(carpet);
+  const Vec3 before = momentum(carpet);
+  const double scale = momentum_scale(carpet), dt = 0.8 * carpet.stable_step();
+  const Vec3Array load = no_load(strip.node_count());
+  for (int i = 0; i < 20000; ++i) carpet.step(dt, load);
+  EXPECT_LT((momentum(carpet) - before).norm(), 1e-11 * scale);
+}
+
+TEST(FreeStrip, GainsExactlyTheImpulseItReceives) {
+  const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 3}, false);
+  Carpet carpet(strip.mesh, {polyethylene()}, no_gravity());
+  Vec3Array load = no_load(strip.node_count());
+  load.set(5, {1e-4, -2e-4, 3e-4});
+  load.set(17, {0, 5e-4, 0});
+  const double dt = 0.8 * carpet.stable_step();
+  for (int i = 0; i < 1000; ++i) carpet.step(dt, load);
+  const Vec3 given = 1000 * dt * Vec3(1e-4, 3e-4, 3e-4);
+  EXPECT_LT((carpet.impulse_received() - given).norm(), 1e-12 * given.norm());
+  EXPECT_LT((momentum(carpet) - given).norm(), 1e-10 * given.norm());
+  EXPECT_EQ(carpet.impulse_to_clamps().norm(), 0);
+}
+
+TEST(ClampedStrip, ReportsLoadsOnClampsApartAndStaysPut) {
+  const Strip strip = make_strip({}, true);
+  Carpet carpet(strip.mesh, {polyethylene()}, no_gravity());
+  Vec3Array load = no_load(strip.node_count());
+  load.set(0, {1, 2, 3});
+  for (int i = 0; i < 100; ++i) carpet.step(1e-6, load);
+  EXPECT_LT((carpet.impulse_to_clamps() - 1e-4 * Vec3(1, 2, 3)).norm(), 1e-15);
+  EXPECT_EQ(carpet.impulse_received().norm(), 0);
+  EXPECT_EQ(position(carpet, 0), Vec3(0, 0, 0));
+  EXPECT_EQ(carpet.energy().external_work, 0);
+}
+
+TEST(DrillingRotation, OfAFlatStripMeetsNoResistanceAndMovesNothing) {
+  const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 3}, false);
+  Carpet carpet(strip.mesh, {polyethylene()}, no_gravity());
+  for (std::size_t n = 0; n < strip.node_count(); ++n)
+    carpet.set_velocity(n, Vec3(0, 0, 0), Vec3(0, 0, 1000 * std::sin(3.1 * static_cast<double>(n))));
+  const Vec3Array load = no_load(strip.node_count());
+  const double kinetic = carpet.energy().kinetic, dt = 0.9 * carpet.stable_step();
+  for (int i = 0; i < 5000; ++i) carpet.step(dt, load);
+  EXPECT_EQ(carpet.energy().strain, 0);
+  EXPECT_NEAR(carpet.energy().kinetic / kinetic, 1, 1e-12);
+  for (std::size_t n = 0; n < strip.node_count(); ++n)
+    EXPECT_EQ(position(carpet, static_cast<Index>(n)), strip.mesh.nodes[n]);
+}
+
+TEST(Turf, StruckKeepsItsEnergyAndHourglassesLittle) {
+  // Every mode at once, at 0.5 of the limit: the energy is that of discrete time, within (omega dt / 2)^2 of
+  // the fastest.
+  Carpet carpet(small_turf(), turf_materials(), no_gravity());
+  const NodeView nodes = carpet.nodes();
+  for (std::size_t n = 0; n < nodes.x.size(); ++n)
+    if (!nodes.clamped[n]) {
+      const double height = nodes.z[n] / 0.03;
+      carpet.set_velocity(n, height * height * Vec3(0, 1, 0), Vec3(0, 0, 0));
+    }
+  const double start = total(carpet.energy()), dt = 0.9 * carpet.stable_step();
+  const Vec3Array load = no_load(nodes.x.size());
+  double largest_error = 0, largest_hourglass = 0;
+  for (int i = 0; i < 4000; ++i) {
+    carpet.step(dt, load);
+    if (i % 10 != 0) continue;
+    const CarpetEnergy e = carpet.energy();
+    largest_error = std::max(largest_error, std::abs(total(e) / start - 1));
+    largest_hourglass = std::max(largest_hourglass, e.hourglass / start);
+  }
+  EXPECT_LT(largest_error, 2e-3);
+  EXPECT_LT(largest_hourglass, 0.05);
+}
+
+bool same_bits(std::span<const double> a, std::span<const double> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+void expect_same_state(const Carpet& a, const Carpet& b) {
+  const NodeView u = a.nodes(), v = b.nodes();
+  EXPECT_TRUE(same_bits(u.x, v.x) && same_bits(u.y, v.y) && same_bits(u.z, v.z));
+  EXPECT_TRUE(same_bits(u.vx, v.vx) && same_bits(u.vy, v.vy) && same_bits(u.vz, v.vz));
+  const CarpetEnergy e = a.energy(), f = b.energy();
+  EXPECT_EQ(0, std::memcmp(&e, &f, sizeof e));
+  EXPECT_EQ(a.impulse_received(), b.impulse_received());
+  EXPECT_EQ(a.element_steps(), b.element_steps());
+}
+
+void run_turf(Carpet& carpet, int first, int last) {
+  Vec3Array load = no_load(carpet.nodes().x.size());
+  for (int i = first; i < last; ++i) {
+    for (std::size_t n = 0; n < load.size(); ++n)
+      load.z[n] = 1e-5 * std::sin(0.01 * i + static_cast<double>(n));
+    carpet.step(8e-7, load);
+  }
+}
+
+CarpetOptions damped() {
+  CarpetOptions options;
+  options.damping = 50;
+  return options;
+}
+
+TEST(Turf, MovesBitForBitTheSameOnOneAndTwoThreads) {
+  const ShellMesh mesh = small_turf();
+  ASSERT_GT(mesh.quads.size(), 500U) << "large enough for threads to be used";
+  Carpet one(mesh, turf_materials(), damped()), two(mesh, turf_materials(), damped());
+  shake(one);
+  shake(two);
+  const int threads = omp_get_max_threads();
+  set_threads(1);
+  run_turf(one, 0, 300);
+  set_threads(2);
+  run_turf(two, 0, 300);
+  set_threads(threads);
+  expect_same_state(one, two);
+}
+
+TEST(Turf, GoesOnBitForBitFromACheckpoint) {
+  const ShellMesh mesh = small_turf();
+  for (const int points : {1, 3}) {
+    CarpetOptions options = damped();
+    options.thickness_points = points;
+    Carpet whole(mesh, turf_materials(), options), first_half(mesh, turf_materials(), options);
+    shake(whole);
+    shake(first_half);
+    run_turf(whole, 0, 200);
+    run_turf(first_half, 0, 100);
+    const std::filesystem::path path =
+        std::filesystem::path(testing::TempDir()) / "tuft_fe_carpet_checkpoint.h5";
+    {
+      h5::File file = h5::File::create_atomically(path);
+      h5::Group group = file.root().create_group("carpet");
+      first_half.save(group);
+      file.commit();
+    }
+    Carpet second_half(mesh, turf_materials(), options);
+    second_half.load(h5::File::open(path).root().open_group("carpet"));
+    run_turf(second_half, 100, 200);
+    expect_same_state(whole, second_half);
+    std::filesystem::remove(path);
+  }
+}
+
+}  // namespace
+}  // namespace tuft::fe::test
