@@ -41,7 +41,7 @@ struct DemInfill::Impl {
   DemSettings settings;
   std::vector<Index> used;
   double stable_step = 0;
-  double smallest_radius = 0;
+  GrainSizes sizes;
 
   std::unique_ptr<HostLink> host;
   bool started = false;
@@ -53,10 +53,11 @@ struct DemInfill::Impl {
 
   Impl(const Grains& given, const std::vector<Material>& given_materials, const DemSettings& given_settings)
       : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
-    stable_step = smallest_radius = std::numeric_limits<double>::infinity();
+    const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
+    sizes = {grains.size(), *smallest, *largest};
+    stable_step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < grains.size(); ++i) {
       const GrainMaterial& grain = *materials[grains.material[i]].grain;
-      smallest_radius = std::min(smallest_radius, grains.radius[i]);
       stable_step = std::min(stable_step, stable_grain_step(grains.radius[i], grains.density[i],
                                                             grain.young_modulus, grain.poisson_ratio));
     }
@@ -71,7 +72,7 @@ struct DemInfill::Impl {
   /// A host of its own for each life: LIGGGHTS cannot be emptied and filled again safely.
   void start_host(const std::string& source_command, const std::filesystem::path& source_name) {
     const std::string source = source_command + " " + (host->folder() / source_name).string();
-    ask(Request::commands, set_up_commands(source, used, materials, settings, smallest_radius, stable_step));
+    ask(Request::commands, set_up_commands(source, used, materials, settings, sizes, stable_step));
   }
   void start_fresh() {
     host = std::make_unique<HostLink>(settings.options.host, grains.size(), settings.options.answer_timeout);
@@ -283,7 +284,6 @@ void DemInfill::load(const h5::Group& group) {
   const std::vector<double> works = group.read_doubles("works");
   if (works.size() != 7)
     throw_input_error("checkpoint: {} works of the infill instead of 7: it is damaged", works.size());
-  my.host.reset();
   my.host = std::make_unique<HostLink>(my.settings.options.host, my.grains.size(),
                                        my.settings.options.answer_timeout);
   SharedState& shared = my.shared();

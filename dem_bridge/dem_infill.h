@@ -11,11 +11,11 @@ namespace tuft::dem {
 
 /// Grains placed in space. Index i is LIGGGHTS tag i + 1.
 struct Grains {
-  Vec3Array position;             ///< m
-  std::vector<double> radius;     ///< m
-  std::vector<double> density;    ///< kg/m^3
-  std::vector<Index> layer;       ///< index into the turf's layers
-  std::vector<Index> material;    ///< index into Scene::materials
+  Vec3Array position;           ///< m
+  std::vector<double> radius;   ///< m
+  std::vector<double> density;  ///< kg/m^3
+  std::vector<Index> layer;     ///< index into the turf's layers
+  std::vector<Index> material;  ///< index into Scene::materials
   [[nodiscard]] std::size_t size() const { return radius.size(); }
 };
 
@@ -26,8 +26,8 @@ struct ThinQuad {
 };
 
 struct PackingRequest {
-  std::array<double, 2> size{};     ///< m, patch centred on the origin
-  double floor = 0;                 ///< m, top of the backing
+  std::array<double, 2> size{};  ///< m, patch centred on the origin
+  double floor = 0;              ///< m, top of the backing
   const Turf* turf = nullptr;
   const std::vector<Material>* materials = nullptr;
   const DemOptions* options = nullptr;
@@ -35,20 +35,22 @@ struct PackingRequest {
   std::span<const ThinQuad> obstacles;
 };
 
-/// Geometric packing: random grains per layer up to the layer's mass, overlaps pushed apart against walls, obstacles
-/// and each other. Deterministic for a seed. Not yet at rest: settle it with dynamics (the coupler does).
+/// Geometric packing: random grains per layer up to the layer's mass, overlaps pushed apart against walls,
+/// obstacles and each other. Deterministic for a seed. Not yet at rest: settle it with dynamics (the coupler
+/// does).
 [[nodiscard]] Grains pack_grains(const PackingRequest& request);
 
 struct DemSettings {
   DemOptions options;
-  Vec3 gravity{0, 0, -9.81};       ///< m/s^2
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool rolling_resistance = true;
-  std::array<Vec3, 2> box{};       ///< m, LIGGGHTS' domain; grains that leave it are lost (RunError)
+  std::array<Vec3, 2> box{};  ///< m, LIGGGHTS' domain; grains that leave it are lost (RunError)
 };
 
 class DemInfill final : public Infill {
  public:
-  /// Starts a host process. Throws RunError when it is missing, does not answer, or reports an error (with its words).
+  /// Starts a host process. Throws RunError when it is missing, does not answer, or reports an error (with
+  /// its words).
   DemInfill(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings);
   ~DemInfill() override;
 
@@ -65,9 +67,9 @@ class DemInfill final : public Infill {
   [[nodiscard]] std::vector<Field> fields() const override;
 
   void set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin);  ///< before the first advance
-  [[nodiscard]] double waiting_seconds() const;     ///< wall time spent waiting for the host's DEM steps
-  [[nodiscard]] double exchange_seconds() const;    ///< wall time of copying and signalling
-  [[nodiscard]] int host_process() const;           ///< process id, for tests that kill it
+  [[nodiscard]] double waiting_seconds() const;   ///< wall time spent waiting for the host's DEM steps
+  [[nodiscard]] double exchange_seconds() const;  ///< wall time of copying and signalling
+  [[nodiscard]] int host_process() const;         ///< process id, for tests that kill it
 
   struct OverlapStatistics {
     double mean = 0, percentile_99 = 0, largest = 0;  ///< overlap over the smaller radius, of touching pairs

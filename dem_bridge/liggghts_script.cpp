@@ -15,9 +15,23 @@ namespace {
 /// LIGGGHTS refuses moduli outside 5 MPa ... 1 GPa unless told that they are meant.
 constexpr double soft_limit = 5e6, hard_limit = 1e9;  // Pa
 
+/// LIGGGHTS forgets the springs of a pair that has parted only while the pair is closer than this times the
+/// sum of radii; its default of 1 means never, until the neighbour list is built anew: grains that touch
+/// again would meet the spring of their last contact, and the motion would depend on when lists are built. A
+/// pair must not open this far in one step (10 m/s for grains of 1 mm and steps of 4 us).
+constexpr double forget_distance = 1.02;
+
 /// Distance a pair may close before the neighbour list is built again, as a share of the smallest radius:
 /// a larger skin means fewer builds and more pairs to look at in each step.
 constexpr double skin_share = 0.25;
+
+/// Half of the largest reach, as LIGGGHTS would choose, unless that cuts a wide empty box into far more bins
+/// than there are grains: each build of the neighbour list empties all of them.
+double bin_size(const GrainSizes& sizes, const std::array<Vec3, 2>& box) {
+  const double bins = 16.0 * static_cast<double>(sizes.count) + 4096.0;
+  const double reach = forget_distance * 2 * sizes.largest + skin_share * sizes.smallest;
+  return std::max(0.5 * reach, std::cbrt((box[1] - box[0]).prod() / bins));
+}
 
 std::string per_type(const char* id, const char* property, std::size_t types,
                      const std::function<double(std::size_t)>& value) {
@@ -103,7 +117,7 @@ void write_data_file(const std::filesystem::path& file, const Grains& grains, co
 
 std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
                             const std::vector<Material>& materials, const DemSettings& settings,
-                            double smallest_radius, double step) {
+                            const GrainSizes& sizes, double step) {
   const std::size_t types = used.size();
   const auto grain = [&](std::size_t type) -> const GrainMaterial& { return *materials[used[type]].grain; };
   bool soft = false, hard = false;
@@ -122,8 +136,9 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
       "newton off\n"
       "communicate single vel yes\n";
   text += source + "\n";
-  text += fmt::format("neighbor {:.17g} bin\n", skin_share * smallest_radius);
-  text += "neigh_modify delay 0 every 1 check yes\n";
+  text += fmt::format("neighbor {:.17g} bin\n", skin_share * sizes.smallest);
+  text += fmt::format("neigh_modify delay 0 every 1 check yes contact_distance_factor {} binsize {:.17g}\n",
+                      forget_distance, bin_size(sizes, settings.box));
   text += per_type("young_modulus", "youngsModulus", types, [&](auto i) { return grain(i).young_modulus; });
   text += per_type("poisson_ratio", "poissonsRatio", types, [&](auto i) { return grain(i).poisson_ratio; });
   text += per_pair("restitution", "coefficientRestitution", types,

@@ -20,10 +20,15 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
 void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
                      const std::array<Vec3, 2>& box);
 
+struct GrainSizes {
+  std::size_t count = 0;
+  double smallest = 0, largest = 0;  ///< m, radii
+};
+
 /// All commands, one a line. `source` is "read_data FILE" or "read_restart FILE"; the rest must be the same
 /// for both, because LIGGGHTS hands a restart file's history back by the ids of fixes.
 [[nodiscard]] std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
                                           const std::vector<Material>& materials, const DemSettings& settings,
-                                          double smallest_radius, double step);
+                                          const GrainSizes& sizes, double step);
 
 }  // namespace tuft::dem

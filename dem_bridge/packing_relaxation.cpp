@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry.h"
-#include "core/parallel.h"
 
 namespace tuft::dem {
 namespace {
@@ -54,57 +53,100 @@ class CellGrid {
   std::array<int, 3> count_{};
 };
 
-using Lists = std::vector<std::vector<int>>;
-
-struct Neighbours {
-  Lists spheres, obstacles;  ///< by sphere, in ascending order
+/// Variable-length rows in one array.
+struct Lists {
+  std::vector<std::size_t> begin;  ///< one more than rows
+  std::vector<int> items;
+  [[nodiscard]] std::span<const int> row(std::size_t i) const {
+    return {items.data() + begin[i], begin[i + 1] - begin[i]};
+  }
 };
 
-Neighbours find_neighbours(const LooseSpheres& spheres, const PackingBox& box,
-                           std::span<const ThinQuad> obstacles, double skin) {
+/// Rows from (row, item) pairs, kept in the order given within a row.
+Lists sort_into_rows(std::size_t rows, const std::vector<std::pair<int, int>>& entries) {
+  Lists lists{std::vector<std::size_t>(rows + 1, 0), std::vector<int>(entries.size())};
+  for (const auto& [row, item] : entries) ++lists.begin[static_cast<std::size_t>(row) + 1];
+  for (std::size_t i = 0; i < rows; ++i) lists.begin[i + 1] += lists.begin[i];
+  std::vector<std::size_t> next(lists.begin.begin(), lists.begin.end() - 1);
+  for (const auto& [row, item] : entries) lists.items[next[static_cast<std::size_t>(row)]++] = item;
+  return lists;
+}
+
+struct Neighbours {
+  Lists spheres, obstacles;  ///< by sphere
+};
+
+/// Both directions of every pair closer than `skin`. Each pair is found from its larger sphere, which looks
+/// as far as twice its own radius: a small sphere among large ones need not search their reach.
+Lists find_spheres(const LooseSpheres& spheres, const PackingBox& box, double skin) {
   const std::size_t count = spheres.radius.size();
-  const double largest = *std::max_element(spheres.radius.begin(), spheres.radius.end());
-  const CellGrid grid(box, 2 * largest + skin);
-  Lists in_cell(grid.cells()), quads_in_cell(grid.cells());
+  double mean = 0;
+  for (double radius : spheres.radius) mean += radius / static_cast<double>(count);
+  const CellGrid grid(box, 2 * mean + skin);
+  std::vector<std::pair<int, int>> placed;
   for (std::size_t i = 0; i < count; ++i) {
     const auto [a, b, c] = grid.place(spheres.position[i]);
-    in_cell[grid.cell(a, b, c)].push_back(static_cast<int>(i));
+    placed.emplace_back(static_cast<int>(grid.cell(a, b, c)), static_cast<int>(i));
   }
-  for (std::size_t q = 0; q < obstacles.size(); ++q) {
-    Vec3 low = obstacles[q].corner[0], high = low;
-    for (const Vec3& corner : obstacles[q].corner) {
-      low = low.cwiseMin(corner);
-      high = high.cwiseMax(corner);
-    }
-    const Vec3 reach = Vec3::Constant(obstacles[q].half_thickness + largest + skin);
-    grid.for_cells(grid.place(low - reach), grid.place(high + reach),
-                   [&](std::size_t cell) { quads_in_cell[cell].push_back(static_cast<int>(q)); });
-  }
-  Neighbours found{Lists(count), Lists(count)};
-  parallel_for(count, [&](std::size_t i) {
+  const Lists in_cell = sort_into_rows(grid.cells(), placed);
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < count; ++i) {
     const Vec3 x = spheres.position[i];
-    const auto [a, b, c] = grid.place(x);
-    auto& near = found.spheres[i];
-    grid.for_cells({a - 1, b - 1, c - 1}, {a + 1, b + 1, c + 1}, [&](std::size_t cell) {
-      for (int j : in_cell[cell]) {
+    const double own = spheres.radius[i];
+    const Vec3 look = Vec3::Constant(2 * own + skin);
+    grid.for_cells(grid.place(x - look), grid.place(x + look), [&](std::size_t cell) {
+      for (int j : in_cell.row(cell)) {
         const auto other = static_cast<std::size_t>(j);
-        const double reach = spheres.radius[i] + spheres.radius[other] + skin;
-        if (other != i && (x - spheres.position[other]).squaredNorm() < reach * reach) near.push_back(j);
+        if (spheres.radius[other] > own || (spheres.radius[other] == own && other >= i)) continue;
+        const double reach = own + spheres.radius[other] + skin;
+        if ((x - spheres.position[other]).squaredNorm() >= reach * reach) continue;
+        pairs.emplace_back(static_cast<int>(i), j);
+        pairs.emplace_back(j, static_cast<int>(i));
       }
     });
-    std::sort(near.begin(), near.end());
-    for (int q : quads_in_cell[grid.cell(a, b, c)]) {
-      const ThinQuad& quad = obstacles[static_cast<std::size_t>(q)];
-      const double reach = spheres.radius[i] + quad.half_thickness + skin;
-      if (closest_point_on_facet(x, quad.corner).distance_squared < reach * reach)
-        found.obstacles[i].push_back(q);
+  }
+  return sort_into_rows(count, pairs);
+}
+
+/// Obstacles closer than `skin` to each sphere.
+Lists find_obstacles(const LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,
+                     double skin) {
+  const std::size_t count = spheres.radius.size();
+  const double largest = *std::max_element(spheres.radius.begin(), spheres.radius.end());
+  const CellGrid grid(box, largest + skin);
+  std::vector<std::pair<int, int>> placed;
+  std::vector<Vec3> low(obstacles.size()), high(obstacles.size());
+  for (std::size_t q = 0; q < obstacles.size(); ++q) {
+    low[q] = high[q] = obstacles[q].corner[0];
+    for (const Vec3& corner : obstacles[q].corner) {
+      low[q] = low[q].cwiseMin(corner);
+      high[q] = high[q].cwiseMax(corner);
     }
-  });
-  return found;
+    const Vec3 margin = Vec3::Constant(obstacles[q].half_thickness + skin);
+    low[q] -= margin;
+    high[q] += margin;
+    const Vec3 reach = Vec3::Constant(largest);
+    grid.for_cells(grid.place(low[q] - reach), grid.place(high[q] + reach), [&](std::size_t cell) {
+      placed.emplace_back(static_cast<int>(cell), static_cast<int>(q));
+    });
+  }
+  const Lists in_cell = sort_into_rows(grid.cells(), placed);
+  std::vector<std::pair<int, int>> near;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 x = spheres.position[i];
+    const auto [a, b, c] = grid.place(x);
+    for (int q : in_cell.row(grid.cell(a, b, c))) {
+      const auto quad = static_cast<std::size_t>(q);
+      const Vec3 nearest = x.cwiseMax(low[quad]).cwiseMin(high[quad]);
+      if ((x - nearest).squaredNorm() < spheres.radius[i] * spheres.radius[i])
+        near.emplace_back(static_cast<int>(i), q);
+    }
+  }
+  return sort_into_rows(count, near);
 }
 
 /// Shift of sphere i that takes its share of every overlap with others.
-Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, const std::vector<int>& near) {
+Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, std::span<const int> near) {
   Vec3 shift(0, 0, 0);
   const Vec3 x = spheres.position[i];
   for (int j : near) {
@@ -122,7 +164,7 @@ Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, const std::v
 }
 
 Vec3 shift_from_obstacles(const Vec3& x, double radius, std::span<const ThinQuad> obstacles,
-                          const std::vector<int>& near) {
+                          std::span<const int> near) {
   Vec3 shift(0, 0, 0);
   for (int q : near) {
     const ThinQuad& quad = obstacles[static_cast<std::size_t>(q)];
@@ -161,14 +203,14 @@ void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const Th
     for (std::size_t i = 0; i < count && !renew; ++i)
       renew = (spheres.position[i] - listed[i]).squaredNorm() > 0.25 * skin * skin;
     if (renew) {
-      near = find_neighbours(spheres, box, obstacles, skin);
+      near = {find_spheres(spheres, box, skin), find_obstacles(spheres, box, obstacles, skin)};
       listed = spheres.position;
     }
-    const bool in_slabs = sweep < sweeps / 2;
-    parallel_for(count, [&](std::size_t i) {
+    const bool in_slabs = sweep < sweeps / 4;
+    for (std::size_t i = 0; i < count; ++i) {
       const double radius = spheres.radius[i];
-      Vec3 x = spheres.position[i] + shift_from_spheres(spheres, i, near.spheres[i]);
-      x += shift_from_obstacles(x, radius, obstacles, near.obstacles[i]);
+      Vec3 x = spheres.position[i] + shift_from_spheres(spheres, i, near.spheres.row(i));
+      x += shift_from_obstacles(x, radius, obstacles, near.obstacles.row(i));
       for (int c = 0; c < 2; ++c) {
         const double limit = box.half_size[static_cast<std::size_t>(c)] - radius;
         x[c] = clamp_between(x[c], -limit, limit);
@@ -176,7 +218,7 @@ void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const Th
       const double low = in_slabs ? spheres.low[i] : box.floor, high = in_slabs ? spheres.high[i] : box.lid;
       x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box.floor + radius);
       next.set(i, x);
-    });
+    }
     std::swap(spheres.position, next);
   }
 }

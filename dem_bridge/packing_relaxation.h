@@ -21,7 +21,7 @@ struct LooseSpheres {
 
 /// Moves the spheres in `sweeps` sweeps. Each sweep shifts every sphere by a share of its overlaps with
 /// others (the smaller sphere of a pair gives way more) and out of obstacles, then clamps it between the
-/// walls: so walls, floor and lid are never crossed. During the first half of the sweeps spheres stay in
+/// walls: so walls, floor and lid are never crossed. During the first quarter of the sweeps spheres stay in
 /// their slab, then only floor and lid hold them. Deterministic for any number of threads (every sphere
 /// gathers its own shift).
 void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,

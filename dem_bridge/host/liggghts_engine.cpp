@@ -40,6 +40,12 @@ double seconds_since(Clock::time_point start) {
 Vec3 load3(const double* p) {
   return {p[0], p[1], p[2]};
 }
+/// One grain's entry of three arrays that follow each other.
+struct Components {
+  double *x, *y, *z;
+  [[nodiscard]] Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+};
+
 void store3(double* p, const Vec3& v) {
   p[0] = v.x();
   p[1] = v.y();
@@ -76,29 +82,32 @@ struct LiggghtsEngine::Impl {
   }
   [[nodiscard]] int local_count() const { return lammps->atom->nlocal; }
 
-  [[nodiscard]] Vec3 gather(SharedArrays::Name first, std::size_t i) const {
-    return {memory.array(first)[i], memory.array(first + 1)[i], memory.array(first + 2)[i]};
+  [[nodiscard]] Components components(std::size_t first) const {
+    return {memory.array(first).data(), memory.array(first + 1).data(), memory.array(first + 2).data()};
   }
   void restore(double** field, SharedArrays::Name first) {
-    const auto x = memory.array(first), y = memory.array(first + 1), z = memory.array(first + 2);
-    for (int a = 0; a < local_count(); ++a) store3(field[a], {x[index(a)], y[index(a)], z[index(a)]});
+    const Components from = components(first);
+    for (int a = 0; a < local_count(); ++a) store3(field[a], from[index(a)]);
   }
   /// Returns false when a value is not finite.
   bool publish(double** field, SharedArrays::Name first) {
-    const auto x = memory.array(first), y = memory.array(first + 1), z = memory.array(first + 2);
+    const Components to = components(first);
+    const int* const tag = lammps->atom->tag;
+    const int count = local_count();
     double poison = 0;
-    for (int a = 0; a < local_count(); ++a) {
-      const std::size_t i = index(a);
-      x[i] = field[a][0];
-      y[i] = field[a][1];
-      z[i] = field[a][2];
-      poison += (x[i] - x[i]) + (y[i] - y[i]) + (z[i] - z[i]);
+    for (int a = 0; a < count; ++a) {
+      const int i = tag[a] - 1;
+      const double x = field[a][0], y = field[a][1], z = field[a][2];
+      to.x[i] = x;
+      to.y[i] = y;
+      to.z[i] = z;
+      poison += (x - x) + (y - y) + (z - z);
     }
     return poison == 0;
   }
 
   void publish_state();
-  void kick();
+  void kick(bool in_run);
   void set_step(double step);
   void check_count();
   void start();
@@ -118,17 +127,25 @@ void LiggghtsEngine::Impl::publish_state() {
   for (std::size_t f = 0; f < fields.size(); ++f) {
     if (publish(fields[f].first, fields[f].second) || !trouble.empty()) continue;
     for (std::size_t i = 0; i < memory.grains(); ++i)
-      if (!gather(fields[f].second, i).allFinite()) {
+      if (!components(fields[f].second)[i].allFinite()) {
         trouble = fmt::format("the {} of grain {} is not finite", names[f], i);
         break;
       }
   }
 }
 
-void LiggghtsEngine::Impl::kick() {
-  auto* atom = lammps->atom;
-  const double share = 1.0 / static_cast<double>(shared.substeps);  // even over the substeps
-  const double per_second = share / shared.step;
+/// Adds the window's load to the forces. In a run LIGGGHTS makes the closing half kick afterwards, under all
+/// forces. Between runs it has made it already, under the pair forces: then the rest of it is made here.
+void LiggghtsEngine::Impl::kick(bool in_run) {
+  auto* const atom = lammps->atom;
+  double** const v = atom->v;
+  double** const omega = atom->omega;
+  double** const f = atom->f;
+  double** const torque = atom->torque;
+  const Components linear = components(SharedArrays::linear_x), angular = components(SharedArrays::angular_x);
+  const double per_second =
+      1.0 / (static_cast<double>(shared.substeps) * shared.step);  // even over the substeps
+  const double half = 0.5 * shared.step;
   GrainLoad load;
   load.gravity = load3(shared.gravity.data());
   load.damping = shared.damping;
@@ -138,14 +155,21 @@ void LiggghtsEngine::Impl::kick() {
   for (int a = 0; a < atom->nlocal; ++a) {
     const std::size_t i = index(a);
     const double mass = atom->rmass[a], radius = atom->radius[a];
-    const GrainState grain{
-        load3(atom->v[a]),           load3(atom->omega[a]), load3(atom->f[a]), load3(atom->torque[a]), mass,
-        0.4 * mass * radius * radius};
-    load.contact_force = per_second * gather(SharedArrays::linear_x, i);
-    load.contact_torque = per_second * gather(SharedArrays::angular_x, i);
+    GrainState grain{
+        load3(v[a]), load3(omega[a]), load3(f[a]), load3(torque[a]), mass, 0.4 * mass * radius * radius};
+    if (in_run) {
+      grain.velocity += half / mass * grain.pair_force;
+      grain.spin += half / grain.inertia * grain.pair_torque;
+    }
+    load.contact_force = per_second * linear[i];
+    load.contact_torque = per_second * angular[i];
     const GrainKick kick = kick_grain(grain, load);
-    store3(atom->f[a], grain.pair_force + kick.added_force);
-    store3(atom->torque[a], grain.pair_torque + kick.added_torque);
+    store3(f[a], grain.pair_force + kick.added_force);
+    store3(torque[a], grain.pair_torque + kick.added_torque);
+    if (!in_run) {
+      store3(v[a], kick.middle);
+      store3(omega[a], kick.middle_spin);
+    }
     received += shared.step * load.contact_force;
     scale += shared.step * load.contact_force.cwiseAbs();
     kinetic += kick.kinetic;
@@ -172,17 +196,28 @@ void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint, int count, in
   if (!engine.stepping) return;
   const auto start = Clock::now();
   if (++engine.substep < engine.shared.substeps)
-    engine.kick();
+    engine.kick(true);
   else
     engine.publish_state();
   engine.callback_seconds += seconds_since(start);
 }
 
+/// The half kick that the pair forces have made already must be half of the new step.
 void LiggghtsEngine::Impl::set_step(double step) {
-  if (step == lammps->update->dt) return;
-  lammps->update->update_time();
-  lammps->update->dt = step;
-  lammps->update->integrate->reset_dt();
+  auto* const update = lammps->update;
+  if (step == update->dt) return;
+  if (started) {
+    auto* const atom = lammps->atom;
+    const double change = 0.5 * (step - update->dt);
+    for (int a = 0; a < atom->nlocal; ++a) {
+      const double mass = atom->rmass[a], inertia = 0.4 * mass * atom->radius[a] * atom->radius[a];
+      store3(atom->v[a], load3(atom->v[a]) + change / mass * load3(atom->f[a]));
+      store3(atom->omega[a], load3(atom->omega[a]) + change / inertia * load3(atom->torque[a]));
+    }
+  }
+  update->update_time();
+  update->dt = step;
+  update->integrate->reset_dt();
   lammps->force->pair->reset_dt();
   for (int i = 0; i < lammps->modify->nfix; ++i) lammps->modify->fix[i]->reset_dt();
 }
@@ -194,18 +229,19 @@ void LiggghtsEngine::Impl::check_count() {
   const auto lost = static_cast<std::size_t>(std::find(present.begin(), present.end(), 0) - present.begin());
   if (lost == memory.grains())
     throw std::runtime_error(fmt::format("{} grains became {}", memory.grains(), local_count()));
-  const Vec3 x = gather(SharedArrays::position_x, lost);
+  const Vec3 x = components(SharedArrays::position_x)[lost];
   throw std::runtime_error(fmt::format(
       "{} of {} grains left the box; grain {} was last seen at ({:.6g}, {:.6g}, {:.6g}) m",
       memory.grains() - static_cast<std::size_t>(local_count()), memory.grains(), lost, x.x(), x.y(), x.z()));
 }
 
-/// First forces, from positions and velocities alone.
+/// First pair forces, from positions and velocities alone, and the half kick they make.
 void LiggghtsEngine::Impl::start() {
   restore(lammps->atom->v, SharedArrays::velocity_x);
   restore(lammps->atom->omega, SharedArrays::spin_x);
   command("run 0 post no");
   check_count();
+  lammps->modify->final_integrate();
   started = true;
 }
 
@@ -264,18 +300,14 @@ void LiggghtsEngine::resume() {
 
 void LiggghtsEngine::advance() {
   Impl& my = *impl_;
-  auto* atom = my.lammps->atom;
   const auto begin = Clock::now();
   my.set_step(my.shared.step);
   if (!my.started) my.start();
   const auto kicking = Clock::now();
   my.shared.impulse_received = {};
   my.shared.impulse_scale = {};
-  my.restore(atom->v, SharedArrays::velocity_x);
-  my.restore(atom->omega, SharedArrays::spin_x);
-  my.kick();
+  my.kick(false);
   const double kick_seconds = seconds_since(kicking);
-  my.lammps->modify->final_integrate();
 
   my.stepping = true;
   my.substep = 0;
@@ -295,10 +327,10 @@ void LiggghtsEngine::compute_stored_energy() {
   auto* atom = my.lammps->atom;
   const auto young = my.property_of_types("youngsModulus"), poisson = my.property_of_types("poissonsRatio");
   const double back = my.started ? my.shared.step : 0;
+  const Components velocity = my.components(SharedArrays::velocity_x);
   double energy = 0;
   my.for_each_contact([&](int a, int b, const Vec3& distance, const double* history) {
-    const Vec3 relative =
-        my.gather(SharedArrays::velocity_x, my.index(a)) - my.gather(SharedArrays::velocity_x, my.index(b));
+    const Vec3 relative = velocity[my.index(a)] - velocity[my.index(b)];
     const double sum = atom->radius[a] + atom->radius[b];
     const double before = sum - (distance - back * relative).norm();
     const double now = sum - distance.norm();

@@ -1,11 +1,11 @@
 #pragma once
 /// LIGGGHTS as the bridge needs it. The implementation is the only place that sees LIGGGHTS' headers.
 ///
-/// State between windows: LIGGGHTS has just evaluated the grains' own forces f(t) at x(t), and has made its
-/// closing half kick with them. The shared memory holds v(t - dt/2), read in LIGGGHTS' callback before that
-/// half kick. `advance` puts v(t - dt/2) back, adds to the forces what the driver sends, and makes the
-/// closing half kick again, now under all forces: so the forces of the window act at t, without lag, and the
-/// exchange still happens outside LIGGGHTS' run, where a restart file may be written at any window.
+/// State between windows: LIGGGHTS has just evaluated the grains' own forces at x(t), and has made its
+/// closing half kick with them. The shared memory holds x(t) and v(t - dt/2), read in LIGGGHTS' callback
+/// before that half kick. `advance` adds to the forces what the driver sends and makes the rest of the half
+/// kick, under what it added: so the forces of the window act at t, without lag, and the exchange happens
+/// outside LIGGGHTS' run, where a restart file may be written at any window.
 #include <filesystem>
 #include <memory>
 #include <string>
