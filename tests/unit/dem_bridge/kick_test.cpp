@@ -1,0 +1,68 @@
+#include "dem_bridge/host/kick.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace tuft::dem {
+namespace {
+
+class Kick : public ::testing::Test {
+ protected:
+  Vec3 vector(double size) { return size * Vec3(uniform_(engine_), uniform_(engine_), uniform_(engine_)); }
+  /// A random grain with velocities v- and w-, as kick_grain wants them.
+  GrainState grain(const Vec3& velocity, const Vec3& spin, double step) {
+    GrainState state{velocity, spin, vector(0.1), vector(1e-4), 4e-6, 1.6e-12};
+    state.velocity += 0.5 * step / state.mass * state.pair_force;
+    state.spin += 0.5 * step / state.inertia * state.pair_torque;
+    return state;
+  }
+  GrainLoad load(double damping) { return {vector(0.1), vector(1e-4), Vec3(0, 0, -9.81), damping, 1e-6}; }
+
+  std::mt19937_64 engine_{1};
+  std::uniform_real_distribution<double> uniform_{-1, 1};
+};
+
+TEST_F(Kick, ChangeOfKineticEnergyIsTheWorkOfAllForces) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const GrainLoad given = load(trial % 2 == 0 ? 0 : 1e5);
+    const Vec3 before = vector(1), spin_before = vector(100);
+    const GrainState state = grain(before, spin_before, given.step);
+    const GrainKick kick = kick_grain(state, given);
+    const Vec3 after = before + given.step / state.mass * (state.pair_force + kick.added_force);
+    const Vec3 spin_after =
+        spin_before + given.step / state.inertia * (state.pair_torque + kick.added_torque);
+    const auto kinetic = [&](const Vec3& v, const Vec3& w) {
+      return 0.5 * state.mass * v.squaredNorm() + 0.5 * state.inertia * w.squaredNorm();
+    };
+    const double gravity_work = given.step * state.mass * given.gravity.dot(kick.middle);
+    const double gain = kinetic(after, spin_after) - kinetic(before, spin_before);
+    const double scale = kinetic(after, spin_after) + kinetic(before, spin_before);
+    EXPECT_NEAR(gain, kick.pair_work + kick.contact_work + kick.damping_work + gravity_work, 1e-13 * scale);
+    EXPECT_NEAR(kick.kinetic, 0.5 * scale, 1e-13 * scale);
+    EXPECT_LT((kick.middle - 0.5 * (before + after)).norm(), 1e-13);
+  }
+}
+
+TEST_F(Kick, DampingNeverAddsEnergyAndIsStableForAnyStep) {
+  for (const double damping : {1.0, 1e3, 1e6, 1e12}) {
+    GrainState state{Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3(0, 0, 0), Vec3(0, 0, 0), 4e-6, 1.6e-12};
+    const GrainLoad given{Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 0), damping, 1e-5};
+    const GrainKick kick = kick_grain(state, given);
+    const Vec3 after = state.velocity + given.step / state.mass * kick.added_force;
+    EXPECT_LE(kick.damping_work, 0);
+    EXPECT_LT(after.norm(), state.velocity.norm() * (1 + 1e-12));
+  }
+}
+
+TEST_F(Kick, WithoutDampingNothingIsAddedBeyondContactAndGravity) {
+  const GrainLoad given = load(0);
+  const GrainState state = grain(vector(1), vector(10), given.step);
+  const GrainKick kick = kick_grain(state, given);
+  EXPECT_EQ(kick.added_force, Vec3(given.contact_force + state.mass * given.gravity));
+  EXPECT_EQ(kick.added_torque, given.contact_torque);
+  EXPECT_EQ(kick.damping_work, 0);
+}
+
+}  // namespace
+}  // namespace tuft::dem

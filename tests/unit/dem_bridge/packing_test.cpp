@@ -1,0 +1,203 @@
+/// What a packing promises: mass, walls, obstacles, little overlap, the same grains for the same seed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/geometry.h"
+#include "dem_bridge/dem_infill.h"
+
+namespace tuft::dem {
+namespace {
+
+/// Sand, a sand-rubber mixture and rubber, as in the published turf but coarse.
+class Packing : public ::testing::Test {
+ protected:
+  Packing() {
+    materials_.resize(5);
+    materials_[0].name = "sand grain";
+    materials_[0].grain = GrainMaterial{2650, 50e6, 0.25, 0.6, 0.5, 0.1, 0.0002, 0.0012};
+    materials_[1].name = "rubber grain";
+    materials_[1].grain = GrainMaterial{1150, 8e6, 0.45, 0.5, 0.7, 0.1, 0.0008, 0.0017};
+    materials_[2].name = "sand";
+    materials_[2].bulk_density = 1600;
+    materials_[2].grain_shares = {{0, 1.0}};
+    materials_[3].name = "mixture";
+    materials_[3].bulk_density = 977;
+    materials_[3].grain_shares = {{0, 0.7}, {1, 0.3}};
+    materials_[4].name = "rubber";
+    materials_[4].bulk_density = 440;
+    materials_[4].grain_shares = {{1, 1.0}};
+    turf_.layers = {{2, 0.006}, {3, 0.012}, {4, 0.012}};
+    options_.coarse_graining = 2.5;
+    options_.material_coarse_graining["sand grain"] = 3.5;
+    request_.size = {0.04, 0.03};
+    request_.floor = 0.002;
+    request_.turf = &turf_;
+    request_.materials = &materials_;
+    request_.options = &options_;
+  }
+
+  [[nodiscard]] double mass(const Grains& grains, std::size_t i) const {
+    return 4.0 / 3.0 * std::numbers::pi * std::pow(grains.radius[i], 3) * grains.density[i];
+  }
+  /// Upright strips 1.3 mm wide, like fibres.
+  [[nodiscard]] std::vector<ThinQuad> fibres() const {
+    std::vector<ThinQuad> quads;
+    for (double x = -0.015; x < 0.02; x += 0.009)
+      for (double y = -0.01; y < 0.015; y += 0.009)
+        for (int k = 0; k < 10; ++k) {
+          const double low = 0.002 + 0.003 * k, lean = 0.0002 * k;
+          quads.push_back(
+              {{Vec3(x + lean, y, low), Vec3(x + lean, y + 0.0013, low),
+                Vec3(x + lean + 0.0002, y + 0.0013, low + 0.003), Vec3(x + lean + 0.0002, y, low + 0.003)},
+               5e-5});
+        }
+    return quads;
+  }
+
+  std::vector<Material> materials_;
+  Turf turf_;
+  DemOptions options_;
+  PackingRequest request_;
+};
+
+TEST_F(Packing, LayersHaveTheirMassToHalfAGrain) {
+  const Grains grains = pack_grains(request_);
+  for (std::size_t l = 0; l < 3; ++l) {
+    const Material& material = materials_[static_cast<std::size_t>(turf_.layers[l].material)];
+    for (const GrainShare& share : material.grain_shares) {
+      double sum = 0;
+      for (std::size_t i = 0; i < grains.size(); ++i)
+        if (grains.layer[i] == static_cast<Index>(l) && grains.material[i] == share.material)
+          sum += mass(grains, i);
+      const GrainMaterial& grain = *materials_[static_cast<std::size_t>(share.material)].grain;
+      const double diameter = grain.diameter_max * (share.material == 0 ? 3.5 : 2.5);
+      const double half_a_grain = 0.5 * std::numbers::pi / 6 * std::pow(diameter, 3) * grain.density;
+      EXPECT_NEAR(sum, share.mass_fraction * material.bulk_density * 0.04 * 0.03 * turf_.layers[l].depth,
+                  half_a_grain);
+    }
+  }
+}
+
+TEST_F(Packing, DiametersAreUniformBetweenTheCoarseGrainedLimits) {
+  const Grains grains = pack_grains(request_);
+  std::vector<double> diameters;
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    if (grains.material[i] == 1) diameters.push_back(2 * grains.radius[i]);
+  ASSERT_GT(diameters.size(), 200u);
+  const auto [smallest, largest] = std::minmax_element(diameters.begin(), diameters.end());
+  EXPECT_GE(*smallest, 2.5 * 0.0008 * (1 - 1e-12));
+  EXPECT_LE(*largest, 2.5 * 0.0017 * (1 + 1e-12));
+  double mean = 0;
+  for (double d : diameters) mean += d / static_cast<double>(diameters.size());
+  const double width = 2.5 * 0.0009;
+  EXPECT_NEAR(mean, 2.5 * 0.00125, 4 * width / std::sqrt(12.0 * static_cast<double>(diameters.size())));
+}
+
+TEST_F(Packing, StaysInsideWallsFloorAndDepth) {
+  const Grains grains = pack_grains(request_);
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const Vec3 x = grains.position[i];
+    const double r = grains.radius[i] * (1 - 1e-12);
+    EXPECT_LE(std::abs(x.x()) + r, 0.02);
+    EXPECT_LE(std::abs(x.y()) + r, 0.015);
+    EXPECT_GE(x.z() - r, 0.002);
+    EXPECT_LE(x.z() + r, 0.002 + 0.030 + 1e-12);
+  }
+}
+
+TEST_F(Packing, OverlapsAreSmall) {
+  const auto quads = fibres();
+  request_.obstacles = quads;
+  const Grains grains = pack_grains(request_);
+  double worst = 0, worst_obstacle = 0, sum = 0;
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double overlap =
+          grains.radius[i] + grains.radius[j] - (grains.position[i] - grains.position[j]).norm();
+      worst = std::max(worst, overlap / std::min(grains.radius[i], grains.radius[j]));
+      sum += std::max(0.0, overlap);
+    }
+    for (const ThinQuad& quad : quads) {
+      const double distance =
+          std::sqrt(closest_point_on_facet(grains.position[i], quad.corner).distance_squared);
+      worst_obstacle =
+          std::max(worst_obstacle, (grains.radius[i] + quad.half_thickness - distance) / grains.radius[i]);
+    }
+  }
+  EXPECT_LT(worst, 0.25);
+  EXPECT_LT(worst_obstacle, 0.25);
+  EXPECT_LT(sum / static_cast<double>(grains.size()), 0.02 * 0.001) << "mean overlap";
+  RecordProperty("grains", static_cast<int>(grains.size()));
+}
+
+TEST_F(Packing, IsTheSameForASeedAndAnotherForAnother) {
+  const Grains one = pack_grains(request_), two = pack_grains(request_);
+  EXPECT_EQ(one.position.x, two.position.x);
+  EXPECT_EQ(one.position.z, two.position.z);
+  EXPECT_EQ(one.radius, two.radius);
+  EXPECT_EQ(one.material, two.material);
+  request_.seed = 2;
+  EXPECT_NE(pack_grains(request_).position.x, one.position.x);
+}
+
+TEST_F(Packing, LayersKeepTheirOrderAndMixturesAreMixed) {
+  const Grains grains = pack_grains(request_);
+  std::array<double, 3> height{}, count{};
+  std::array<double, 2> mixed{}, mixed_count{};
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const auto l = static_cast<std::size_t>(grains.layer[i]);
+    height[l] += grains.position.z[i];
+    count[l] += 1;
+    if (l != 1) continue;
+    mixed[static_cast<std::size_t>(grains.material[i])] += grains.position.z[i];
+    mixed_count[static_cast<std::size_t>(grains.material[i])] += 1;
+  }
+  EXPECT_NEAR(height[0] / count[0], 0.005, 0.001);
+  EXPECT_NEAR(height[1] / count[1], 0.014, 0.0015);
+  EXPECT_NEAR(height[2] / count[2], 0.026, 0.001);
+  EXPECT_NEAR(mixed[0] / mixed_count[0], mixed[1] / mixed_count[1], 0.002);
+}
+
+TEST_F(Packing, TooDenseALayerGrowsUpwards) {
+  materials_[4].bulk_density = 900;  // 0.78 of the rubber's density
+  turf_.layers = {{4, 0.012}};
+  const Grains grains = pack_grains(request_);
+  double top = 0, sum = 0, worst = 0;
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    top = std::max(top, grains.position.z[i] + grains.radius[i]);
+    sum += mass(grains, i);
+    for (std::size_t j = 0; j < i; ++j)
+      worst = std::max(
+          worst, (grains.radius[i] + grains.radius[j] - (grains.position[i] - grains.position[j]).norm()) /
+                     std::min(grains.radius[i], grains.radius[j]));
+  }
+  EXPECT_NEAR(sum, 900 * 0.04 * 0.03 * 0.012, 0.01 * sum);
+  EXPECT_GT(top, 0.002 + 0.012);
+  EXPECT_LE(top, 0.002 + 0.012 * (900.0 / 1150) / 0.62 + 1e-9);
+  EXPECT_LT(worst, 0.4);
+}
+
+TEST_F(Packing, SaysWhatIsMissing) {
+  const auto message = [&] {
+    try {
+      (void)pack_grains(request_);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  options_.coarse_graining = 30;
+  EXPECT_NE(message().find("less coarse graining"), std::string::npos) << message();
+  options_.coarse_graining = 2.5;
+  materials_[1].grain.reset();
+  EXPECT_NE(message().find("rubber grain of mixture has no [grain] block"), std::string::npos) << message();
+  materials_[3].grain_shares.clear();
+  EXPECT_NE(message().find("mixture has no grains"), std::string::npos) << message();
+}
+
+}  // namespace
+}  // namespace tuft::dem

@@ -1,0 +1,95 @@
+#include "dem_bridge/liggghts_script.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/verification/dem_bridge/bridge_scene.h"
+
+namespace tuft::dem::test {
+namespace {
+
+std::vector<Material> three_materials() {
+  std::vector<Material> materials{grain_material(8e6, 0.45, 1150, 0.5, 0.7), Material{},
+                                  grain_material(50e6, 0.25, 2650, 0.7, 0.5)};
+  materials[2].grain->rolling_friction = 0.2;
+  return materials;
+}
+
+std::string commands(const std::vector<Material>& materials, const DemSettings& settings) {
+  return set_up_commands("read_data grains", {0, 2}, materials, settings, {10, 0.001, 0.002}, 1e-6);
+}
+
+TEST(Script, UnlikePairsTakeTheMeanUnlessGiven) {
+  DemSettings settings = settings_in_box(0.1);
+  const auto materials = three_materials();
+  EXPECT_NE(commands(materials, settings)
+                .find("coefficientFriction peratomtypepair 2 0.69999999999999996 0.59999999999999998 "
+                      "0.59999999999999998 0.5\n"),
+            std::string::npos)
+      << commands(materials, settings);
+  settings.options.pairs = {{{2, 0}, 0.25}};
+  EXPECT_NE(commands(materials, settings)
+                .find("coefficientFriction peratomtypepair 2 0.69999999999999996 0.25 0.25 0.5\n"),
+            std::string::npos);
+}
+
+TEST(Script, SoftAndHardGrainsAreAnnounced) {
+  const DemSettings settings = settings_in_box(0.1);
+  auto materials = three_materials();
+  EXPECT_EQ(commands(materials, settings).find("_particles"), std::string::npos);
+  materials[0].grain->young_modulus = 1e6;
+  EXPECT_NE(commands(materials, settings).find("soft_particles yes"), std::string::npos);
+  materials[2].grain->young_modulus = 48e9;
+  EXPECT_NE(commands(materials, settings).find("hard_particles yes"), std::string::npos);
+}
+
+TEST(Script, RollingResistanceThatIsOffIsNotThere) {
+  DemSettings settings = settings_in_box(0.1);
+  EXPECT_EQ(commands(three_materials(), settings).find("olling"), std::string::npos);
+  settings.rolling_resistance = true;
+  EXPECT_NE(commands(three_materials(), settings).find("rolling_friction epsd2"), std::string::npos);
+}
+
+TEST(Script, FreshAndContinuedRunsDifferInTheirSourceOnly) {
+  const DemSettings settings = settings_in_box(0.1);
+  std::string fresh = commands(three_materials(), settings);
+  std::string resumed =
+      set_up_commands("read_restart grains", {0, 2}, three_materials(), settings, {10, 0.001, 0.002}, 1e-6);
+  const auto cut = [](std::string& text) {
+    text.erase(text.find("read_"), text.find("neighbor") - text.find("read_"));
+  };
+  cut(fresh);
+  cut(resumed);
+  EXPECT_EQ(fresh, resumed);
+}
+
+TEST(Script, DataFileGivesPositionsBackToTheBit) {
+  ShakenBlock block(3);
+  for (std::size_t i = 0; i < block.grains.size(); ++i)
+    block.grains.position.x[i] += 1e-5 / (3.0 + static_cast<double>(i));
+  const auto file = std::filesystem::temp_directory_path() / "tuft-script-test.data";
+  write_data_file(file, block.grains, {0}, {Vec3(-1, -1, -1), Vec3(1, 1, 1)});
+  std::ifstream stream(file);
+  std::string line;
+  while (std::getline(stream, line) && line != "Atoms") {
+  }
+  std::getline(stream, line);
+  for (std::size_t i = 0; i < block.grains.size(); ++i) {
+    ASSERT_TRUE(std::getline(stream, line));
+    std::istringstream words(line);
+    std::string id, type, diameter, density, x, y, z;
+    words >> id >> type >> diameter >> density >> x >> y >> z;
+    EXPECT_EQ(id, std::to_string(i + 1));
+    EXPECT_EQ(std::strtod(diameter.c_str(), nullptr), 2 * block.grains.radius[i]);
+    EXPECT_EQ(std::strtod(x.c_str(), nullptr), block.grains.position.x[i]);
+    EXPECT_EQ(std::strtod(z.c_str(), nullptr), block.grains.position.z[i]);
+  }
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tuft::dem::test

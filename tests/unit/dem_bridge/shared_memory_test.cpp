@@ -1,0 +1,52 @@
+#include "dem_bridge/shared_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace tuft::dem {
+namespace {
+
+TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
+  const SharedMemory driver = SharedMemory::create(1001);
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("tuft-dem-" + std::to_string(::getpid()) + "-"))
+        << entry;
+  const int descriptor = ::dup(driver.descriptor());
+  const SharedMemory host = SharedMemory::open(descriptor);
+  ASSERT_EQ(host.grains(), 1001u);
+  for (std::size_t name = 0; name < SharedArrays::count; ++name)
+    driver.array(name)[1000] = static_cast<double>(name) + 0.5;
+  for (std::size_t name = 0; name < SharedArrays::count; ++name) {
+    EXPECT_EQ(host.array(name)[1000], static_cast<double>(name) + 0.5) << "arrays overlap";
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(host.array(name).data()) % SharedArrays::alignment, 0u);
+  }
+}
+
+TEST(SharedMemory, OtherProtocolVersionIsRefused) {
+  const SharedMemory driver = SharedMemory::create(10);
+  driver.state().version = protocol_version + 1;
+  try {
+    const SharedMemory host = SharedMemory::open(::dup(driver.descriptor()));
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("different builds"), std::string::npos) << error.what();
+  }
+}
+
+TEST(SharedMemory, KeepsTheLastWords) {
+  const SharedMemory memory = SharedMemory::create(1);
+  SharedState& state = memory.state();
+  const std::string said(10000, 'a');
+  for (char c : said + "ERROR: the end\n") state.words[state.words_written++ % state.words.size()] = c;
+  EXPECT_EQ(memory.words().size(), state.words.size());
+  EXPECT_TRUE(memory.words().ends_with("aERROR: the end\n"));
+}
+
+}  // namespace
+}  // namespace tuft::dem
