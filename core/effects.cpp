@@ -54,6 +54,8 @@ Need need_friction_rate(const Scene& scene) {
   const std::string name = first_with(scene, [](const Material& m) {
     return depends_on_speed(m.fibre_friction) || depends_on_speed(m.body_friction);
   });
+  if (name.empty() && depends_on_speed(scene.turf.carpet.body_friction))
+    return {true, "friction of the carpet on bodies changes with sliding speed"};
   if (name.empty()) return {false, "no material's friction changes with sliding speed"};
   return {true, "friction of " + name + " changes with sliding speed (static and dynamic differ, decay > 0)"};
 }
@@ -82,6 +84,8 @@ Need need_overlap_release(const Scene& scene) {
 
 Need need_contact_damping(const Scene& scene) {
   const std::string name = first_with(scene, [](const Material& m) { return m.contact_restitution < 1; });
+  if (name.empty() && scene.turf.carpet.contact_restitution < 1)
+    return {true, "contacts of the carpet with bodies lose energy (contact_restitution below 1)"};
   if (name.empty()) return {false, "every material has contact_restitution 1"};
   return {true, "contacts of " + name + " lose energy (contact_restitution below 1)"};
 }

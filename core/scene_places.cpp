@@ -1,13 +1,19 @@
 #include "core/scene_places.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace tuft {
 
 void throw_bad_key(std::string_view where, std::string_view key, std::string_view value,
                    std::string_view problem) {
-  if (value.empty()) throw_input_error("{}: {}: {}", where, key, problem);
-  throw_input_error("{}: {}: {}: {}", where, key, value, problem);
+  std::string line = value.empty() ? fmt::format("{}: {}: {}", where, key, problem)
+                                   : fmt::format("{}: {}: {}: {}", where, key, value, problem);
+  // The user's own text may hold anything; the message stays one line.
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char letter) { return letter < 0x20; }, ' ');
+  throw InputError(line);
 }
 
 Place Places::find(const std::string& path) const {

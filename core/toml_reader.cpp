@@ -40,14 +40,16 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
 }
 
 std::string value_text(const toml::node& node) {
-  std::ostringstream stream;
-  node.visit([&stream](const auto& value) { stream << value; });
-  std::string text = stream.str();
-  if (text.size() >= 2 && text.front() == '\'' && text.back() == '\'') text.front() = text.back() = '"';
-  for (char& letter : text)
-    if (letter == '\n') letter = ' ';
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  return text;
+  std::string text;
+  if (node.is_string()) {
+    text = fmt::format("\"{}\"", *node.value<std::string>());
+  } else {
+    std::ostringstream stream;
+    node.visit([&stream](const auto& value) { stream << value; });
+    text = stream.str();
+  }
+  constexpr std::size_t longest = 60;
+  return text.size() <= longest ? text : text.substr(0, longest - 3) + "...";
 }
 
 std::string Document::where(const toml::node* node, const std::string& key) const {
@@ -245,7 +247,8 @@ void TomlReader::curve(const Key& key, Curve& curve, const CurveAxes& axes) {
     fail(key.name, *node,
          fmt::format("a curve is needed: {{ unit = \"kPa\", {} = [...], {} = [...] }}", axes.x_name,
                      axes.y_name));
-  TomlReader inside(document_, node->as_table(), shown(key.name), path(key.name), complete_);
+  // A curve is given whole, even where other keys may be left out.
+  TomlReader inside(document_, node->as_table(), shown(key.name), path(key.name), true);
   const toml::node* unit = inside.find(required("unit", ""), "\"kPa\"");
   const toml::node* x = inside.find(required(axes.x_name, ""), "[0.0, ...]");
   const toml::node* y = inside.find(required(axes.y_name, ""), "[0.0, ...]");

@@ -94,7 +94,9 @@ double unit_factor(std::string_view unit, std::string_view si_unit) {
   const double at_two = cv_convert_double(converter.get(), 2.0);
   if (at_zero != 0.0 || !(std::abs(at_two - 2 * factor) <= 1e-12 * std::abs(at_two)))
     throw_input_error("\"{}\" is not a plain multiple of {}; give the value in {}", unit, si_unit, si_unit);
-  return factor;
+  // Rounding inside the library: "g/cm^3" comes out as 1000 and an ulp.
+  const double whole = std::round(factor);
+  return std::abs(factor - whole) < 1e-13 * factor ? whole : factor;
 }
 
 double scale_by_unit(double value, double factor) {
@@ -109,6 +111,7 @@ double quantity_from_text(std::string_view text, std::string_view si_unit) {
   double value = 0;
   const char* begin = trimmed.data() + (trimmed.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, trimmed.data() + trimmed.size(), value);
+  if (error == std::errc::result_out_of_range) throw_input_error("is too large or too small for a number");
   if (error != std::errc())
     throw_input_error("does not begin with a number; {} is needed, for example \"{}\"",
                       dimension_in_words(si_unit), example_quantity(si_unit));

@@ -13,8 +13,8 @@ namespace tuft {
 /// Factor from `unit` to `si_unit`; throws as above.
 [[nodiscard]] double unit_factor(std::string_view unit, std::string_view si_unit);
 
-/// value x factor, rounded once where the factor is the inverse of a whole number: "1.42 mm" gives the same
-/// bits as 0.00142.
+/// value x factor, rounded once where the factor is the inverse of a whole number: "7 mm" gives the same bits
+/// as 0.007.
 [[nodiscard]] double scale_by_unit(double value, double factor);
 
 /// "a length" for "m": for messages.

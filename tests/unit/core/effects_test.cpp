@@ -1,0 +1,79 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/effect_names.h"
+#include "core/scene_reader.h"
+
+namespace tuft {
+namespace {
+
+using testing::HasSubstr;
+
+EffectDecision decide(const std::string& name, const Overrides& overrides) {
+  for (const EffectDecision& decision : decide_effects(read_scene("inputs/clegg_small.toml", overrides)))
+    if (decision.name == name) return decision;
+  ADD_FAILURE() << "no effect " << name;
+  return {};
+}
+
+TEST(Effects, EveryEffectIsDecidedWithAReason) {
+  for (const std::string approach : {"sph", "dem"}) {
+    const auto decisions =
+        decide_effects(read_scene("inputs/clegg_small.toml", {{"infill.approach", approach}}));
+    ASSERT_EQ(decisions.size(), effect_names.size());
+    for (const EffectDecision& decision : decisions) EXPECT_GT(decision.why.size(), 10u) << decision.name;
+  }
+}
+
+TEST(Effects, OfTheOtherApproachAreOffEvenWhenAskedFor) {
+  const EffectDecision rolling = decide("rolling_resistance", {{"effects.rolling_resistance", "true"}});
+  EXPECT_FALSE(rolling.on);
+  EXPECT_EQ(rolling.why, "only for dem infill");
+  const EffectDecision viscosity =
+      decide("artificial_viscosity", {{"infill.approach", "dem"}, {"effects.artificial_viscosity", "true"}});
+  EXPECT_FALSE(viscosity.on);
+  EXPECT_EQ(viscosity.why, "only for sph infill");
+}
+
+TEST(Effects, FollowTheSceneUnlessSwitched) {
+  EXPECT_TRUE(decide("fibres", {}).on);
+  const EffectDecision off = decide("fibres", {{"effects.fibres", "false"}});
+  EXPECT_FALSE(off.on);
+  EXPECT_EQ(off.why, "switched off in the scene");
+  EXPECT_FALSE(decide("artificial_viscosity",
+                      {{"infill.sph.viscosity_linear", "0"}, {"infill.sph.viscosity_quadratic", "0"}})
+                   .on);
+  EXPECT_FALSE(decide("overlap_release", {{"numerics.contact_release_time", "0 s"}}).on);
+  EXPECT_TRUE(decide("rolling_resistance", {{"infill.approach", "dem"}}).on);
+}
+
+TEST(Effects, FrictionRateNeedsALawThatChangesWithSpeed) {
+  Overrides overrides;
+  EXPECT_THAT(decide("friction_rate", overrides).why,
+              HasSubstr("friction of sand changes with sliding speed"));
+  for (const std::string material : {"sand", "mixture", "sbr"})
+    overrides.emplace_back("materials." + material + ".friction.fibre.decay", "0 s/m");
+  EXPECT_FALSE(decide("friction_rate", overrides).on);
+  overrides.emplace_back("turf.carpet.body_friction.decay", "100 s/m");
+  EXPECT_FALSE(decide("friction_rate", overrides).on) << "static and dynamic are the same";
+  overrides.emplace_back("turf.carpet.body_friction.dynamic", "0.5");
+  EXPECT_THAT(decide("friction_rate", overrides).why, HasSubstr("friction of the carpet"));
+}
+
+TEST(Effects, ContactDampingNeedsARestitutionBelowOne) {
+  Overrides overrides{{"turf.carpet.contact_restitution", "1.0"}};
+  EXPECT_TRUE(decide("contact_damping", overrides).on);
+  for (const std::string material : {"sand", "mixture", "sbr"})
+    overrides.emplace_back("materials." + material + ".material.contact_restitution", "1.0");
+  EXPECT_FALSE(decide("contact_damping", overrides).on);
+}
+
+TEST(Effects, AreFoundByName) {
+  const std::vector<EffectDecision> decisions{{"a", true, ""}, {"b", false, ""}};
+  EXPECT_TRUE(effect_on(decisions, "a"));
+  EXPECT_FALSE(effect_on(decisions, "b"));
+  EXPECT_FALSE(effect_on(decisions, "c"));
+}
+
+}  // namespace
+}  // namespace tuft

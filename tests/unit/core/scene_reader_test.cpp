@@ -1,0 +1,377 @@
+// Reading a scene: what it becomes, and the one line that each mistake gets.
+#include "core/scene_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "scratch_folder.h"
+
+namespace tuft {
+namespace {
+
+using test::message_of;
+using test::ScratchFolder;
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// Line numbers below count from the line after R"(.
+const std::string good = R"([scene]
+duration = "25 ms"
+[turf]
+design = "slit_film_coarse"
+size = ["80 mm", "90 mm"]
+tray_depth = "70 mm"
+[[turf.layers]]
+material = "sand"
+depth = "5 mm"
+[[turf.layers]]
+material = "sbr"
+depth = "45 mm"
+[infill]
+approach = "sph"
+[infill.sph]
+pitch = "4 mm"
+[rig]
+type = "clegg"
+speed = "2.85 m/s"
+[effects]
+fibres = true
+[numerics]
+step_safety = 0.5
+)";
+
+/// The good scene with `from` replaced by `to`.
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = good;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string complaint(const std::string& text, const Overrides& overrides = {}) {
+  const std::string message =
+      message_of<InputError>([&] { (void)read_scene_text(text, "a.toml", overrides); });
+  EXPECT_NE(message, "") << "accepted";
+  EXPECT_EQ(message.find('\n'), std::string::npos) << "more than one line: " << message;
+  return message;
+}
+
+std::string complaint_for(const std::string& from, const std::string& to) {
+  return complaint(with(from, to));
+}
+
+TEST(SceneReader, ValuesArriveInSi) {
+  const Scene scene = read_scene_text(good, "folder/a.toml");
+  EXPECT_EQ(scene.info.name, "a");
+  EXPECT_EQ(scene.info.duration, 0.025);
+  EXPECT_EQ(scene.turf.size, (std::array<double, 2>{0.08, 0.09}));
+  EXPECT_EQ(scene.turf.layers.size(), 2u);
+  EXPECT_EQ(scene.turf.layers[1].depth, 0.045);
+  EXPECT_EQ(scene.materials[static_cast<std::size_t>(scene.turf.layers[1].material)].name, "sbr");
+  EXPECT_EQ(scene.infill.approach, Approach::sph);
+  EXPECT_EQ(scene.infill.sph.pitch, 0.004);
+  EXPECT_EQ(scene.numerics.step_safety, 0.5);
+  EXPECT_EQ(scene.effects.choice.at("fibres"), Switch::on);
+  EXPECT_EQ(scene.effects.choice.at("friction_rate"), Switch::automatic);
+  EXPECT_GT(scene.turf.carpet.gauge, 0.0);
+  EXPECT_EQ(scene.rig.clegg.mass, CleggRig{}.mass) << "a key left out keeps its default";
+}
+
+TEST(SceneReader, MixtureBringsItsGrains) {
+  const Scene scene = read_scene_text(with("\"sand\"", "\"mixture\""), "a.toml");
+  const Material& mixture = scene.materials[static_cast<std::size_t>(scene.turf.layers[0].material)];
+  ASSERT_EQ(mixture.grain_shares.size(), 2u);
+  double sum = 0;
+  for (const GrainShare& share : mixture.grain_shares) {
+    sum += share.mass_fraction;
+    EXPECT_TRUE(scene.materials[static_cast<std::size_t>(share.material)].grain.has_value());
+  }
+  EXPECT_DOUBLE_EQ(sum, 1.0);
+}
+
+TEST(SceneReader, TrayIsTwoCentimetresDeeperThanTheInfillByDefault) {
+  EXPECT_DOUBLE_EQ(read_scene_text(with("tray_depth = \"70 mm\"\n", ""), "a.toml").turf.tray_depth, 0.070);
+}
+
+TEST(SceneReader, PresetsSetKernelAndSmoothingLength) {
+  const auto sph = [](const std::string& keys) {
+    return read_scene_text(with("pitch = \"4 mm\"", keys), "a.toml").infill.sph;
+  };
+  EXPECT_DOUBLE_EQ(sph("pitch = \"4 mm\"").smoothing_length, 1.3 * 0.004);
+  EXPECT_EQ(sph("pitch = \"4 mm\"").kernel, Kernel::wendland_c2);
+  EXPECT_DOUBLE_EQ(sph("pitch = \"2 mm\"\npreset = \"paper\"").smoothing_length, 0.00142);
+  EXPECT_EQ(sph("preset = \"paper\"").kernel, Kernel::cubic_spline);
+  const SphOptions own = sph("smoothing_length = \"3 mm\"\nkernel = \"cubic_spline\"");
+  EXPECT_EQ(own.preset, "custom");
+  EXPECT_EQ(own.smoothing_length, 0.003);
+  EXPECT_EQ(own.kernel, Kernel::cubic_spline);
+  EXPECT_EQ(complaint_for("pitch = \"4 mm\"",
+                          "pitch = \"4 mm\"\npreset = \"accurate\"\nsmoothing_length = \"3 mm\""),
+            "a.toml:18: infill.sph.smoothing_length: \"3 mm\": preset \"accurate\" makes it 5.2 mm at this "
+            "pitch; leave it "
+            "out, or set preset = \"custom\"");
+  EXPECT_THAT(complaint_for("pitch = \"4 mm\"", "preset = \"custom\""),
+              StartsWith("a.toml:15: infill.sph.smoothing_length: missing; preset \"custom\" needs it"));
+  EXPECT_THAT(complaint_for("pitch = \"4 mm\"", "kernel = \"cubic_spline\""),
+              HasSubstr("infill.sph.kernel: \"cubic_spline\": preset \"accurate\" has another kernel"));
+}
+
+TEST(SceneReader, SceneKeysOverrideDesignAndMaterialFiles) {
+  const Scene plain = read_scene_text(good, "a.toml");
+  const Scene scene = read_scene_text(
+      good + "[turf.carpet]\ngauge = \"9 mm\"\n[materials.sbr.continuum]\ntension_cutoff = \"7 kPa\"\n",
+      "a.toml");
+  EXPECT_EQ(scene.turf.carpet.gauge, 0.009);
+  EXPECT_EQ(scene.turf.carpet.stitch_spacing, plain.turf.carpet.stitch_spacing);
+  EXPECT_EQ(scene.materials[1].continuum->tension_cutoff, 7000);
+  EXPECT_EQ(scene.materials[1].continuum->yield_a0, plain.materials[1].continuum->yield_a0);
+}
+
+TEST(SceneReader, FilesBesideTheSceneComeFirst) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "materials");
+  std::filesystem::copy_file("inputs/materials/sand.toml", folder / "materials/sand.toml");
+  std::ofstream(folder / "a.toml") << good;
+  const Scene scene = read_scene(folder / "a.toml");
+  EXPECT_EQ(scene.materials[0].file, (folder / "materials/sand.toml").string());
+  EXPECT_THAT(scene.materials[1].file, EndsWith("inputs/materials/sbr.toml"));
+}
+
+TEST(SceneReader, OverridesTakeTomlOrPlainText) {
+  const Scene scene = read_scene_text(good, "a.toml",
+                                      {{"infill.approach", "dem"},
+                                       {"infill.sph.pitch", "3 mm"},
+                                       {"turf.layers.0.depth", "6 mm"},
+                                       {"effects.fibres", "false"},
+                                       {"numerics.threads", "2"},
+                                       {"turf.size", "[\"85 mm\", \"95 mm\"]"},
+                                       {"materials.sbr.continuum.yield_a2", "0.2"},
+                                       {"turf.carpet.gauge", "9.5 mm"}});
+  EXPECT_EQ(scene.infill.approach, Approach::dem);
+  EXPECT_EQ(scene.infill.sph.pitch, 0.003);
+  EXPECT_EQ(scene.turf.layers[0].depth, 0.006);
+  EXPECT_EQ(scene.effects.choice.at("fibres"), Switch::off);
+  EXPECT_EQ(scene.numerics.threads, 2);
+  EXPECT_EQ(scene.turf.size[1], 0.095);
+  EXPECT_EQ(scene.materials[1].continuum->yield_a2, 0.2);
+  EXPECT_EQ(scene.turf.carpet.gauge, 0.0095);
+}
+
+TEST(SceneMistakes, UnknownKeyNamesTheNearest) {
+  EXPECT_EQ(complaint_for("pitch =", "pich ="),
+            "a.toml:16: infill.sph.pich: \"4 mm\": unknown key; did you mean \"pitch\"?");
+  EXPECT_EQ(complaint_for("[infill.sph]", "[infil.sph]"),
+            "a.toml:15: infil: unknown key; did you mean \"infill\"?");
+  EXPECT_EQ(complaint_for("approach = \"sph\"", "pitch = \"4 mm\""),
+            "a.toml:14: infill.pitch: \"4 mm\": unknown key; did you mean infill.sph.pitch?");
+  EXPECT_EQ(complaint_for("depth = \"5 mm\"", "thick = \"5 mm\""),
+            "a.toml:9: turf.layers.0.thick: \"5 mm\": unknown key; known here: material, depth");
+}
+
+TEST(SceneMistakes, UnknownEffectNamesTheNearest) {
+  EXPECT_EQ(complaint_for("fibres = true", "fibers = true"),
+            "a.toml:21: effects.fibers: true: unknown key; did you mean \"fibres\"?");
+  EXPECT_EQ(complaint_for("fibres = true", "fibres = \"maybe\""),
+            "a.toml:21: effects.fibres: \"maybe\": true, false or \"auto\" is needed");
+}
+
+TEST(SceneMistakes, MissingKeySaysWhatToAdd) {
+  EXPECT_EQ(complaint_for("size = [\"80 mm\", \"90 mm\"]\n", ""),
+            "a.toml:3: turf.size: missing; add it: two of a length (m), for example [\"5 mm\", \"5 mm\"]");
+  EXPECT_EQ(complaint_for("depth = \"5 mm\"\n", ""),
+            "a.toml:7: turf.layers.0.depth: missing; add it: a length (m), for example \"5 mm\"");
+  EXPECT_EQ(complaint_for("[scene]\nduration = \"25 ms\"\n", ""),
+            "a.toml: scene.duration: missing; add it: a time (s), for example \"10 ms\"");
+}
+
+TEST(SceneMistakes, WrongUnit) {
+  EXPECT_EQ(complaint_for("depth = \"5 mm\"", "depth = \"2 kg\""),
+            "a.toml:9: turf.layers.0.depth: \"2 kg\": \"kg\" is not the unit of a length (m); write for "
+            "example \"5 mm\"");
+}
+
+TEST(SceneMistakes, WrongType) {
+  EXPECT_EQ(complaint_for("pitch = \"4 mm\"", "pitch = 4"),
+            "a.toml:16: infill.sph.pitch: 4: a plain number; a length (m) with its unit in quotes is needed, "
+            "for example "
+            "\"5 mm\"");
+  EXPECT_EQ(complaint_for("step_safety = 0.5", "step_safety = \"0.5\""),
+            "a.toml:23: numerics.step_safety: \"0.5\": a plain number without quotes is needed");
+  EXPECT_EQ(complaint_for("step_safety = 0.5", "threads = 1.5"),
+            "a.toml:23: numerics.threads: 1.5: a whole number without quotes is needed");
+  EXPECT_EQ(complaint_for("[numerics]\nstep_safety = 0.5\n", "numerics = 3\n").substr(0, 16),
+            "a.toml:22: effec");
+  EXPECT_EQ(complaint_for("pitch = \"4 mm\"", "pitch = true"),
+            "a.toml:16: infill.sph.pitch: true: a length (m) in quotes is needed, for example \"5 mm\"");
+}
+
+TEST(SceneMistakes, ListOfWrongLength) {
+  EXPECT_THAT(complaint_for("[\"80 mm\", \"90 mm\"]", "[\"80 mm\"]"),
+              AllOf(StartsWith("a.toml:5: turf.size: "), EndsWith("is needed, not of 1")));
+  EXPECT_THAT(complaint_for("[\"80 mm\", \"90 mm\"]", "\"80 mm\""), HasSubstr("a list of two quantities"));
+}
+
+TEST(SceneMistakes, NegativeOrZeroWherePositiveIsNeeded) {
+  EXPECT_EQ(complaint_for("\"4 mm\"", "\"-4 mm\""),
+            "a.toml:16: infill.sph.pitch: \"-4 mm\": must be above 0 m");
+  EXPECT_EQ(complaint_for("\"4 mm\"", "\"0 mm\""),
+            "a.toml:16: infill.sph.pitch: \"0 mm\": must be above 0 m");
+  EXPECT_EQ(complaint_for("step_safety = 0.5", "step_safety = 1.5"),
+            "a.toml:23: numerics.step_safety: 1.5: must be above 0 and at most 1");
+}
+
+TEST(SceneMistakes, NotANumber) {
+  EXPECT_EQ(complaint_for("\"4 mm\"", "\"nan mm\""),
+            "a.toml:16: infill.sph.pitch: \"nan mm\": must be a finite number");
+  EXPECT_EQ(complaint_for("step_safety = 0.5", "step_safety = nan"),
+            "a.toml:23: numerics.step_safety: nan: must be a finite number");
+  EXPECT_EQ(complaint_for("step_safety = 0.5", "step_safety = inf"),
+            "a.toml:23: numerics.step_safety: inf: must be a finite number");
+}
+
+TEST(SceneMistakes, LayersDeeperThanTheTray) {
+  EXPECT_EQ(complaint_for("tray_depth = \"70 mm\"", "tray_depth = \"40 mm\""),
+            "a.toml:6: turf.tray_depth: \"40 mm\": layers are 50 mm deep, deeper than the tray; make it "
+            "deeper or the layers "
+            "thinner");
+}
+
+TEST(SceneMistakes, PatchSmallerThanTheMissile) {
+  EXPECT_EQ(complaint_for("\"90 mm\"]", "\"50 mm\"]"),
+            "a.toml:5: turf.size.1: \"50 mm\": the patch is smaller than the missile (50 mm wide, 0 mm off "
+            "the middle) and 5 "
+            "mm on each side; at least 60 mm is needed");
+  EXPECT_THAT(complaint_for("speed = \"2.85 m/s\"", "position = [\"20 mm\", \"0 mm\"]"),
+              HasSubstr("20 mm off the middle"));
+}
+
+TEST(SceneMistakes, UnknownApproachRigMaterialDesign) {
+  EXPECT_EQ(
+      complaint_for("approach = \"sph\"", "approach = \"sphh\""),
+      "a.toml:14: infill.approach: \"sphh\": unknown; did you mean \"sph\"? \"sph\" or \"dem\" is needed");
+  EXPECT_EQ(complaint_for("\"clegg\"", "\"beast\""),
+            "a.toml:18: rig.type: \"beast\": unknown; \"clegg\" is needed");
+  EXPECT_EQ(complaint_for("\"sbr\"", "\"sbrr\""),
+            "a.toml:11: turf.layers.1.material: \"sbrr\": no such file in materials/; did you mean \"sbr\"?");
+  EXPECT_EQ(complaint_for("\"slit_film_coarse\"", "\"slit_film_course\""),
+            "a.toml:4: turf.design: \"slit_film_course\": no such file in turfs/; did you mean "
+            "\"slit_film_coarse\"?");
+}
+
+TEST(SceneMistakes, UnreadableFileOrNoToml) {
+  const ScratchFolder folder;
+  EXPECT_EQ(message_of<InputError>([&] { (void)read_scene(folder / "none.toml"); }),
+            (folder / "none.toml").string() + ": cannot be read (No such file or directory)");
+  EXPECT_EQ(message_of<InputError>([&] { (void)read_scene(folder.path()); }),
+            folder.path().string() + ": is a folder; a file is needed");
+  EXPECT_THAT(complaint_for("[infill]", "[infill"), StartsWith("a.toml:13: not readable as TOML: "));
+  EXPECT_THAT(complaint("\x89PNG\r\n\x1a\n"), StartsWith("a.toml:1: not readable as TOML: "));
+  EXPECT_THAT(complaint_for("pitch = \"4 mm\"", "pitch = \"4 mm\"\npitch = \"3 mm\""),
+              StartsWith("a.toml:17: not readable as TOML: "));
+  EXPECT_THAT(complaint(""), StartsWith("a.toml: scene.duration: missing"));
+}
+
+TEST(SceneMistakes, OverrideOfAKeyThatDoesNotExist) {
+  EXPECT_EQ(complaint(good, {{"infill.sph.pich", "3 mm"}}),
+            "--set: infill.sph.pich: \"3 mm\": unknown key; did you mean \"pitch\"?");
+  EXPECT_EQ(complaint(good, {{"infil.approach", "dem"}}),
+            "--set: infil: unknown key; did you mean \"infill\"?");
+  EXPECT_EQ(complaint(good, {{"turf.layers.7.depth", "3 mm"}}),
+            "--set: turf.layers.7.depth: no item 7: the list has 2, counted from 0");
+  EXPECT_EQ(complaint(good, {{"rig.speed.x", "3"}}),
+            "--set: rig.speed.x: nothing lies below this key: its value is \"2.85 m/s\"");
+  EXPECT_EQ(complaint(good, {{"rig..speed", "3"}}),
+            "--set: \"rig..speed\": is no key; write --set table.key=value");
+}
+
+TEST(SceneMistakes, OverrideWithABadValue) {
+  EXPECT_EQ(complaint(good, {{"infill.sph.pitch", "-3 mm"}}),
+            "--set: infill.sph.pitch: \"-3 mm\": must be above 0 m");
+  EXPECT_EQ(complaint(good, {{"numerics.seed", "x"}}),
+            "--set: numerics.seed: \"x\": a whole number without quotes is needed");
+  EXPECT_THAT(complaint(good, {{"infill.sph.pitch", "3 mm\nfoo = 1"}}),
+              HasSubstr("\"mm foo = 1\" is not a unit"));
+}
+
+TEST(SceneMistakes, MaterialThatTheApproachCannotUse) {
+  const std::string bare =
+      "[materials.felt.material]\nbulk_density = \"100 kg/m^3\"\n"
+      "[materials.felt.friction]\nfibre = { static = 0.3, dynamic = 0.3 }\n"
+      "body = { static = 0.3, dynamic = 0.3 }\n";
+  const std::string scene = with("\"sbr\"", "\"felt\"") + bare;
+  EXPECT_EQ(complaint(scene),
+            "a.toml:11: turf.layers.1.material: \"felt\": has no [continuum] in a.toml, which approach "
+            "\"sph\" needs");
+  EXPECT_EQ(complaint(scene, {{"infill.approach", "dem"}}),
+            "a.toml:11: turf.layers.1.material: \"felt\": has neither [grain] nor [[grain_shares]] in "
+            "a.toml, which approach "
+            "\"dem\" needs");
+}
+
+TEST(SceneMistakes, GrainShares) {
+  const auto shares = [](double sand, const std::string& second) {
+    return with("\"sand\"", "\"mixture\"") + fmt::format(
+                                                 "[materials.mixture]\ngrain_shares = [{{ material = "
+                                                 "\"sand\", mass_fraction = {} }}, {{ material = "
+                                                 "\"{}\", mass_fraction = 0.3 }}]\n",
+                                                 sand, second);
+  };
+  EXPECT_THAT(complaint(shares(0.6, "sbr")), AllOf(StartsWith("a.toml:25: materials.mixture.grain_shares: "),
+                                                   EndsWith("add up to 0.9; make it 1")));
+  EXPECT_EQ(complaint(shares(0.7, "sand")),
+            "a.toml:25: materials.mixture.grain_shares.1.material: \"sand\": named twice in this material; "
+            "give one share");
+}
+
+TEST(SceneMistakes, Curves) {
+  const auto curve = [](const std::string& text) {
+    return complaint(good + "[materials.sbr.continuum]\npressure = " + text + "\n");
+  };
+  const std::string at = "a.toml:25: materials.sbr.continuum.pressure";
+  EXPECT_EQ(curve("{ unit = \"kg\", strain = [0, 1], values = [0, 1] }"),
+            at + ".unit: \"kg\": \"kg\" is not the unit of a pressure or modulus (Pa); write for example "
+                 "\"100 kPa\"");
+  EXPECT_EQ(curve("{ unit = \"kPa\", strain = [0, 1, 1], values = [0, 1, 2] }"),
+            at + ".strain.2: 1: must be above the number before it");
+  EXPECT_EQ(curve("{ unit = \"kPa\", strain = [0, 1], values = [0, 1, 2] }"),
+            at + ".values: [ 0, 1, 2 ]: 3 numbers, but strain has 2");
+  EXPECT_EQ(curve("{ unit = \"kPa\", strain = [0, 1], values = [0, 0] }"),
+            at + ".values: [ 0, 0 ]: pressure must rise: value 1 is not above the one before");
+  EXPECT_EQ(curve("{ unit = \"kPa\", strain = [0.1, 1], values = [0, 1] }").substr(0, at.size()), at);
+  EXPECT_EQ(curve("{ unit = \"kPa\", strain = [0, nan], values = [0, 1] }"),
+            at + ".strain.1: nan: must be a finite number");
+  EXPECT_THAT(curve("{ unit = \"kPa\", strain = [0, 1] }"), StartsWith(at + ".values: missing"));
+  EXPECT_THAT(curve("{ unit = \"kPa\", strain = [0, 1], values = [0, 1], vaules = 1 }"),
+              StartsWith(at + ".vaules: 1: unknown key; did you mean \"values\"?"));
+  EXPECT_THAT(curve("3"), StartsWith(at + ": 3: a curve is needed"));
+}
+
+TEST(SceneMistakes, MistakesInNamedFilesNameThatFile) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "materials");
+  std::ifstream source("inputs/materials/sand.toml");
+  std::string sand{std::istreambuf_iterator<char>(source), {}};
+  sand.replace(sand.find("yield_a2"), 8, "yield_a7");
+  std::ofstream(folder / "materials/sand.toml") << sand;
+  std::ofstream(folder / "a.toml") << good;
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_scene(folder / "a.toml"); }),
+              AllOf(StartsWith((folder / "materials/sand.toml").string() + ":"),
+                    EndsWith("continuum.yield_a7: 0.1225: unknown key; did you mean \"yield_a0\"?")));
+}
+
+TEST(SceneMistakes, NamesOfGrainsInDemOptions) {
+  EXPECT_EQ(complaint(good + "[infill.dem]\nmaterial_coarse_graining = { sbt = 2 }\n"),
+            "a.toml:25: infill.dem.material_coarse_graining.sbt: 2: no layer holds this material; did you "
+            "mean \"sbr\"?");
+  EXPECT_THAT(
+      complaint(good + "[infill.dem]\npairs = [{ materials = [\"sand\", \"gravel\"], friction = 0.4 }]\n"),
+      StartsWith("a.toml:25: infill.dem.pairs.0.materials.1: \"gravel\": no such file in materials/"));
+}
+
+}  // namespace
+}  // namespace tuft
