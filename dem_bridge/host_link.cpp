@@ -42,20 +42,27 @@ Woken wait_for_host(zmq::socket_t& socket, short event, int process, Clock::time
   }
 }
 
-/// The lines that say what went wrong: from the first that begins with ERROR, else the last one that is not
-/// blank.
-std::string telling_lines(const std::string& text) {
-  std::istringstream stream(text);
-  std::string line, last, error;
-  while (std::getline(stream, line)) {
-    if (line.find_first_not_of(" \t\r\n-") == std::string::npos) continue;
-    last = line;
-    if (error.empty() && line.find("ERROR") != std::string::npos) error = line;
-  }
-  std::string chosen = error.empty() ? last : error;
+std::string one_line(std::string text) {
   std::replace_if(
-      chosen.begin(), chosen.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-  return chosen.substr(0, 400);
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+  return text.substr(0, 400);
+}
+
+/// First line with ERROR in it; empty if there is none.
+std::string error_line(const std::string& text) {
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    if (line.find("ERROR") != std::string::npos) return one_line(line);
+  return {};
+}
+
+/// Last line that is not blank or ruled.
+std::string last_line(const std::string& text) {
+  std::istringstream stream(text);
+  std::string last;
+  for (std::string line; std::getline(stream, line);)
+    if (line.find_first_not_of(" \t\r-=*") != std::string::npos) last = line;
+  return one_line(last);
 }
 
 std::string tail_of(const std::filesystem::path& file) {
@@ -96,11 +103,12 @@ int HostLink::process_id() const {
   return wire_->process->id();
 }
 
+/// LIGGGHTS' own error if it named one; else what the system, the linker or MPI said.
 std::string HostLink::last_words() const {
-  const std::string said = telling_lines(memory_.words());
-  const std::string logged = telling_lines(tail_of(folder() / "host.log"));
-  if (said.find("ERROR") != std::string::npos || logged.empty()) return said;
-  return logged;
+  const std::string logged = tail_of(folder() / "host.log");
+  for (const std::string& words : {error_line(memory_.words()), error_line(logged), last_line(logged)})
+    if (!words.empty()) return words;
+  return {};
 }
 
 void HostLink::fail(std::string message) {
