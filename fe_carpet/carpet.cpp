@@ -14,8 +14,9 @@
 namespace tuft::fe {
 namespace {
 
-/// Below this many elements one thread steps faster than two wait for each other.
-constexpr std::size_t threads_pay_above = 256;
+/// Below this many elements (a step of some 0.1 ms) threads would gain less than they may lose waiting for
+/// each other. Results do not depend on it.
+constexpr std::size_t threads_pay_above = 1000;
 
 void check_materials(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials) {
   for (std::size_t m = 0; m < materials.size(); ++m) {

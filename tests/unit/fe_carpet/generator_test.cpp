@@ -106,6 +106,17 @@ TEST(Generator, AreasAreThoseOfTheDesign) {
     }
 }
 
+TEST(Generator, WeighsWhatTheDesignSays) {
+  const CarpetDesign d = football();
+  const Carpet carpet(generate_carpet(d, patch, 1, true), {{0.2e9, 0.3, 900}, {0.5e9, 0.4, 920}}, {});
+  double mass = 0;
+  for (const double m : carpet.nodes().mass) mass += m;
+  const double strands = tufts_along_x * tufts_along_y * d.strands_per_tuft;
+  const double expected = 900 * patch[0] * patch[1] * d.backing_thickness +
+                          920 * strands * d.pile_length * d.strand_width * d.strand_thickness;
+  EXPECT_NEAR(mass / expected, 1, 0.005);
+}
+
 TEST(Generator, ElementsAreWellShaped) {
   const CarpetDesign d = football();
   const ShellMesh mesh = generate_carpet(d, patch, 1, true);
