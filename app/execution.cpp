@@ -10,9 +10,28 @@
 #include "core/error.h"
 
 namespace tuft::app {
+namespace {
+
+/// Progress in the log: each new stage, then a line every half minute.
+class ProgressLog {
+ public:
+  void note(const rigs::Progress& progress) {
+    if (progress.stage == stage_ && progress.wall - last_ < interval) return;
+    stage_ = progress.stage;
+    last_ = progress.wall;
+    spdlog::info("{}", progress_line(progress));
+  }
+
+ private:
+  static constexpr double interval = 30;  // s
+  std::string stage_;
+  double last_ = 0;
+};
+
+}  // namespace
 
 AttendedRun::AttendedRun(rigs::RunRequest& request, const std::string& title)
-    : display_(std::make_shared<ProgressDisplay>(title)) {
+    : display_(std::make_shared<ProgressDisplay>(title)), previous_logger_(spdlog::default_logger()) {
   const std::filesystem::path file = request.folder / "log.txt";
   try {
     auto logger = std::make_shared<spdlog::logger>(
@@ -28,12 +47,24 @@ AttendedRun::AttendedRun(rigs::RunRequest& request, const std::string& title)
   }
   spdlog::info("{} '{}' with {} infill", request.resume ? "resuming" : "running", request.scene.info.name,
                request.scene.infill.approach == Approach::sph ? "sph" : "dem");
-  request.on_progress = [display = display_](const rigs::Progress& progress) { display->show(progress); };
+  request.on_progress = [display = display_, log = ProgressLog()](const rigs::Progress& progress) mutable {
+    display->show(progress);
+    log.note(progress);
+  };
 }
 
 AttendedRun::~AttendedRun() {
   display_->finish();
-  spdlog::shutdown();
+  spdlog::set_default_logger(previous_logger_);
+}
+
+void AttendedRun::conclude(const rigs::RunSummary& summary) {
+  if (summary.status == "failed")
+    spdlog::error("failed: {}", summary.error);
+  else
+    spdlog::info("{} at {} after {} windows, energy error {}, in {}", summary.status,
+                 format_quantity(summary.simulated_time, "s"), summary.steps,
+                 format_percent(summary.energy_error), format_duration(summary.wall_s));
 }
 
 int conclude_run(const std::filesystem::path& folder, const rigs::RunSummary& summary,

@@ -8,6 +8,10 @@
 #include "app/progress_display.h"
 #include "rigs/run.h"
 
+namespace spdlog {
+class logger;
+}
+
 namespace tuft::app {
 
 /// While it lives, a run's folder gets the log (`log.txt`, spdlog's default logger) and standard output its
@@ -17,11 +21,14 @@ class AttendedRun {
   /// Attaches to a request that is about to run. Throws InputError when log.txt cannot be written.
   AttendedRun(rigs::RunRequest& request, const std::string& title);
   ~AttendedRun();
+  /// Writes how the run ended into the log.
+  void conclude(const rigs::RunSummary& summary);
   AttendedRun(const AttendedRun&) = delete;
   AttendedRun& operator=(const AttendedRun&) = delete;
 
  private:
   std::shared_ptr<ProgressDisplay> display_;
+  std::shared_ptr<spdlog::logger> previous_logger_;
 };
 
 /// Last words about a finished run, and the exit code: results, report, how to go on after a stop; for a

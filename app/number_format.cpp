@@ -86,13 +86,18 @@ DisplayUnit display_unit(const std::string& si_unit, double magnitude) {
 std::string format_quantity(double value, const std::string& si_unit, int digits) {
   if (!std::isfinite(value)) return not_available;
   const DisplayUnit shown = display_unit(si_unit, value);
+  // Numbers of things are not measurements: all their digits count.
+  const bool is_count = shown.unit.empty() && value >= 0 && value < 1e15 && value == std::floor(value);
+  if (is_count) return format_count(static_cast<std::uint64_t>(value));
   const std::string number = format_significant(shown.factor * value, digits);
   return shown.unit.empty() ? number : number + " " + shown.unit;
 }
 
 std::string readable_name(const std::string& name) {
   static const std::map<std::string, std::string> own{{"peak_g", "Peak deceleration"},
+                                                      {"peak_g_raw", "Peak deceleration, raw"},
                                                       {"max_penetration", "Largest penetration"},
+                                                      {"separated", "Left the turf again (1: yes)"},
                                                       {"contact", "Contact"},
                                                       {"search", "Contact search"},
                                                       {"infill", "Infill steps"},

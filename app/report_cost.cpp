@@ -30,6 +30,12 @@ std::vector<std::string> phases_of(const Runs& runs) {
   return order;
 }
 
+/// A phase keeps its colour on every page.
+std::size_t colour_of(const std::string& phase) {
+  const auto found = std::find(phase_names.begin(), phase_names.end(), phase);
+  return found == phase_names.end() ? 0 : static_cast<std::size_t>(found - phase_names.begin());
+}
+
 double total_of(const rigs::RunSummary& summary) {
   double total = 0;
   for (const auto& [phase, seconds] : summary.cost) total += seconds;
@@ -65,8 +71,8 @@ std::string phase_table(const Runs& runs, const std::vector<std::string>& phases
     return row;
   };
   for (std::size_t p = 0; p < phases.size(); ++p) {
-    const std::string name =
-        fmt::format("<span class=\"key p{}\"></span>{}", p % 12, escape_html(readable_name(phases[p])));
+    const std::string name = fmt::format("<span class=\"key p{}\"></span>{}", colour_of(phases[p]),
+                                         escape_html(readable_name(phases[p])));
     table.rows.push_back(
         row_of(name, [&](const rigs::RunSummary& summary) { return seconds_of(summary, phases[p]); }));
   }
@@ -95,7 +101,7 @@ std::string stacked_bars(const Runs& runs, const std::vector<std::string>& phase
       text += fmt::format(
           "<rect class=\"p{}\" x=\"{:.2f}\" y=\"{:.1f}\" width=\"{:.2f}\" height=\"{:.0f}\"><title>{}: "
           "{}</title></rect>\n",
-          p % 12, x, y, length, bar, escape_html(readable_name(phases[p])),
+          colour_of(phases[p]), x, y, length, bar, escape_html(readable_name(phases[p])),
           format_duration(seconds_of(runs[i].summary, phases[p])));
       x += length;
     }

@@ -11,8 +11,10 @@ namespace tuft::app {
 namespace {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2, ISO 80000-3
+constexpr double release_tolerance = 1e-9;    // s
 
-/// Each curve begins at the release: before it the missile is not there.
+/// Each curve begins behind the release: the row of that moment still shows the settled turf without the
+/// missile.
 void add_series(Plot& plot, const Runs& runs, const std::string& column, double factor, bool faint,
                 const std::string& suffix) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -20,7 +22,7 @@ void add_series(Plot& plot, const Runs& runs, const std::string& column, double 
     Series series{runs[i].label + suffix, run_style(runs, i), {}, {}, faint, false};
     const TimeTable& history = runs[i].history;
     for (std::size_t row = 0; row < history.time.size(); ++row) {
-      if (history.time[row] < 0) continue;
+      if (history.time[row] <= release_tolerance) continue;
       series.x.push_back(1e3 * (history.time[row] - time_origin(runs[i])));
       series.y.push_back(factor * history.at(column)[row]);
     }

@@ -37,9 +37,11 @@ struct Dot {
   Index material;
 };
 
-/// One carpet facet near the plane, projected on it, m.
+/// One carpet facet near the plane, projected on it (x and z), m.
 struct Facet {
   std::array<std::array<float, 2>, 4> corner;
+  std::array<bool, 4>
+      free_edge;  ///< from corner c to c + 1: not shared with another facet of the same surface
   bool backing;
 };
 
@@ -49,7 +51,8 @@ struct Section {
   Missile missile;
   std::vector<Dot> dots;  ///< far to near
   std::vector<Facet> facets;
-  double particle_slice = 0, facet_slice = 0;  ///< m, whole thickness of each slice
+  double particle_slice = 0;  ///< m, whole thickness of the slice of particles
+  double facet_slice = 0;     ///< m, the same for backing facets and for the roots of strands
 };
 
 struct RunData {

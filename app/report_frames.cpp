@@ -1,6 +1,7 @@
 /// Frames: the particles and facets near the section plane, out of run.h5.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "app/report_data.h"
 #include "core/error.h"
@@ -60,21 +61,60 @@ void read_dots(const h5::Group& infill, std::size_t frame, Section& section) {
                    [](const Dot& a, const Dot& b) { return a.depth < b.depth; });
 }
 
+using Edge = std::array<std::int32_t, 3>;  // surface, lower node, higher node
+
+Edge edge_of(const std::vector<std::int32_t>& quads, std::int32_t surface, std::size_t q, std::size_t c) {
+  const std::int32_t a = quads[4 * q + c], b = quads[4 * q + (c + 1) % 4];
+  return {surface, std::min(a, b), std::max(a, b)};
+}
+
+double middle(const std::vector<double>& position, const std::vector<std::int32_t>& quads, std::size_t q,
+              std::size_t axis) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 4; ++c)
+    sum += 0.25 * position.at(3 * static_cast<std::size_t>(quads[4 * q + c]) + axis);
+  return sum;
+}
+
+/// Facets that belong to the section: backing near the plane, and every whole strand rooted near it, however
+/// it leans.
+std::vector<bool> choose_facets(const std::vector<double>& position, const std::vector<std::int32_t>& quads,
+                                const std::vector<std::int32_t>& surface, double plane, double slice) {
+  // Half open, so that of two rows of tufts just half a gauge from the plane one is taken.
+  const auto inside = [&](double y) {
+    return y - plane > -0.5 * slice + 1e-6 && y - plane <= 0.5 * slice + 1e-6;
+  };
+  std::map<std::int32_t, std::size_t> root;  // lowest facet of each strand
+  for (std::size_t q = 0; q < surface.size(); ++q) {
+    const auto [found, added] = root.try_emplace(surface[q], q);
+    if (!added && middle(position, quads, q, 2) < middle(position, quads, found->second, 2))
+      found->second = q;
+  }
+  std::vector<bool> chosen(surface.size());
+  for (std::size_t q = 0; q < surface.size(); ++q)
+    chosen[q] = inside(middle(position, quads, surface[q] == 0 ? q : root.at(surface[q]), 1));
+  return chosen;
+}
+
 void read_facets(const h5::Group& carpet, std::size_t frame, double slice, Section& section) {
   const std::vector<double> position = read_row(carpet, "position", frame);
   const std::vector<std::int32_t> quads = carpet.read_ints("quads");
   const std::vector<std::int32_t> surface = carpet.read_ints("surface");
   section.facet_slice = slice;
+  std::map<Edge, int> uses;
+  for (std::size_t q = 0; q < surface.size(); ++q)
+    for (std::size_t c = 0; c < 4; ++c) ++uses[edge_of(quads, surface[q], q, c)];
+  const std::vector<bool> chosen = choose_facets(position, quads, surface, section.missile.y, slice);
   for (std::size_t q = 0; q < surface.size(); ++q) {
-    Facet facet{{}, surface[q] == 0};
-    double y = 0;
+    if (!chosen[q]) continue;
+    Facet facet{{}, {}, surface[q] == 0};
     for (std::size_t c = 0; c < 4; ++c) {
       const std::size_t node = static_cast<std::size_t>(quads[4 * q + c]);
       facet.corner[c] = {static_cast<float>(position.at(3 * node)),
                          static_cast<float>(position.at(3 * node + 2))};
-      y += 0.25 * position.at(3 * node + 1);
+      facet.free_edge[c] = uses[edge_of(quads, surface[q], q, c)] == 1;
     }
-    if (std::abs(y - section.missile.y) <= 0.5 * slice) section.facets.push_back(facet);
+    section.facets.push_back(facet);
   }
 }
 
@@ -92,7 +132,7 @@ std::optional<Section> RunData::section(double time) const {
     const h5::Group frames = h5::File::open(folder / "run.h5").root().open_group("frames");
     section.missile = read_missile(frames, frame, section.time, scene);
     if (frames.has("infill")) read_dots(frames.open_group("infill"), frame, section);
-    // Tufts stand a gauge apart: a slice of that thickness holds one row of them wherever the plane falls.
+    // Rows of tufts stand a gauge apart: a slice of that thickness holds one row wherever the plane falls.
     if (frames.has("carpet"))
       read_facets(frames.open_group("carpet"), frame, scene ? scene->turf.carpet.gauge : 0.01, section);
   } catch (const RunError&) {

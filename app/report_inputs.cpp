@@ -49,7 +49,7 @@ std::string settings_table(const Runs& runs) {
     table.rows.push_back(std::move(row));
   };
   add("Step safety, of every part’s stable step",
-      [](const Scene& s) { return format_significant(s.numerics.step_safety, 3); });
+      [](const Scene& s) { return format_input(s.numerics.step_safety); });
   add("Coupling window", [](const Scene& s) {
     return s.numerics.coupling_window > 0 ? format_quantity(s.numerics.coupling_window, "s")
                                           : "the infill’s own step";
@@ -66,7 +66,7 @@ std::string settings_table(const Runs& runs) {
     return s.infill.approach == Approach::sph
                ? fmt::format("pitch {}, {} preset", format_quantity(s.infill.sph.pitch, "m"),
                              escape_html(s.infill.sph.preset))
-               : fmt::format("coarse graining {}", format_significant(s.infill.dem.coarse_graining, 3));
+               : fmt::format("coarse graining {}", format_input(s.infill.dem.coarse_graining));
   });
   return table.html();
 }
@@ -121,7 +121,7 @@ std::string materials_table(const Scene& scene) {
                               escape_html(scene.materials.at(static_cast<std::size_t>(share.material)).name));
     const FrictionLaw& friction = material.fibre_friction;
     table.rows.push_back(
-        {escape_html(material.name), format_quantity(material.bulk_density, "kg/m³", 4),
+        {escape_html(material.name), format_input(material.bulk_density) + " kg/m³",
          material.continuum ? describe_continuum(*material.continuum) : "–", grains.empty() ? "–" : grains,
          fmt::format("{} at rest to {} sliding", format_significant(friction.static_coefficient, 2),
                      format_significant(friction.dynamic_coefficient, 2))});
@@ -147,7 +147,7 @@ std::string report_effects(const Runs& runs) {
 }
 
 std::string report_inputs(const Runs& runs) {
-  std::string text = settings_table(runs) + notes_table(runs);
+  std::string text = "<div class=\"columns\">\n" + settings_table(runs) + notes_table(runs) + "</div>\n";
   const auto with_scene =
       std::find_if(runs.begin(), runs.end(), [](const RunData& run) { return run.scene.has_value(); });
   if (with_scene != runs.end()) text += "<h3>Materials</h3>\n" + materials_table(*with_scene->scene);

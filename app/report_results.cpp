@@ -8,6 +8,7 @@
 #include "app/html.h"
 #include "app/number_format.h"
 #include "app/report_sections.h"
+#include "app/summary_table.h"
 
 namespace tuft::app {
 namespace {
@@ -60,17 +61,6 @@ std::string difference(double first, double second) {
   return fmt::format("{}{} %", relative < 0 ? "−" : "+", format_significant(std::abs(100 * relative), 2));
 }
 
-/// The rig's main results first, in the order a reader asks for them, then the rest by name.
-std::vector<std::string> result_names(const Runs& runs) {
-  std::vector<std::string> order{"peak_g", "time_of_peak", "rebound_velocity", "max_penetration"};
-  std::set<std::string> present;
-  for (const RunData& run : runs)
-    for (const auto& [name, quantity] : run.summary.results) present.insert(name);
-  std::erase_if(order, [&](const std::string& name) { return present.erase(name) == 0; });
-  order.insert(order.end(), present.begin(), present.end());
-  return order;
-}
-
 std::vector<std::string> result_row(const Runs& runs, const std::string& name, std::vector<double>& values) {
   std::string unit;
   double largest = 0;
@@ -109,7 +99,9 @@ std::string report_head(const Runs& runs) {
 }
 
 std::string report_results(const Runs& runs) {
-  const std::vector<std::string> names = result_names(runs);
+  std::vector<rigs::RunSummary> summaries;
+  for (const RunData& run : runs) summaries.push_back(run.summary);
+  const std::vector<std::string> names = result_names(summaries);
   if (names.empty())
     return html_section("results", "Results",
                         "<p class=\"missing\">No result was measured before the run ended.</p>\n");

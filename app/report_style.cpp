@@ -43,7 +43,7 @@ svg text { fill:var(--soft); font-size:12.5px; font-family:inherit; } svg text.l
 svg .end { text-anchor:end; } svg .middle { text-anchor:middle; }
 .axis .grid { stroke:var(--grid); } .axis .zero,.axis .frame,.axis .tick { stroke:var(--rule); }
 polyline,.swatch line { fill:none; stroke-width:2; stroke-linejoin:round; }
-polyline.faint,line.faint { stroke-width:1; opacity:.38; } .dashed { stroke-dasharray:6 4; }
+polyline.faint,line.faint { stroke-width:1; opacity:.5; } .dashed { stroke-dasharray:6 4; }
 line.limit { stroke:var(--bad); stroke-dasharray:5 4; } text.limit { fill:var(--bad); }
 .legend { margin:0 0 4px; font-size:13px; color:var(--soft); } .legend span { margin-right:18px; white-space:nowrap; }
 .legend .swatch,figure.plot .legend .swatch { display:inline-block; width:auto; vertical-align:middle; margin-right:6px; }
@@ -51,8 +51,8 @@ line.limit { stroke:var(--bad); stroke-dasharray:5 4; } text.limit { fill:var(--
 @media (max-width:760px) { .panels { grid-template-columns:1fr; } }
 svg.section { display:block; width:100%; height:auto; background:var(--panel); border-radius:3px; }
 svg.section circle { stroke:var(--panel); stroke-width:.12; }
-.strand { fill:var(--strand); fill-opacity:.75; stroke:var(--strand); stroke-linejoin:round; }
-.backing { fill:var(--backing); stroke:var(--backing); stroke-linejoin:round; }
+.strand { fill:none; stroke:var(--strand); stroke-linecap:round; } .strand-area { fill:var(--strand); fill-opacity:.22; }
+.backing { fill:none; stroke:var(--backing); } .backing-area { fill:var(--backing); }
 .missile { fill:var(--missile); stroke:var(--missile-edge); stroke-width:.5; }
 .tray { fill:none; stroke:var(--soft); stroke-width:.6; } path.scale { fill:none; stroke:var(--soft); stroke-width:.5; }
 svg text.scale { fill:var(--soft); }

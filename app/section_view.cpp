@@ -32,19 +32,29 @@ std::string particles(const Section& section, const SectionFrame& frame, std::si
   return text;
 }
 
-/// Facets as outlines as thick as the shell, so that a strand seen on edge has its true thickness.
+std::string point(const std::array<float, 2>& at) {
+  return fmt::format("{:.2f} {:.2f}", mm(at[0]), -mm(at[1]));
+}
+
+/// Strips as pale areas, their long edges as lines of the shell's thickness: a strand seen on edge has its
+/// true one.
 std::string facets(const Section& section, bool backing, double thickness) {
-  std::string path;
+  std::string area, edges;
   for (const Facet& facet : section.facets) {
     if (facet.backing != backing) continue;
-    for (std::size_t c = 0; c < 4; ++c)
-      path +=
-          fmt::format("{}{:.2f} {:.2f}", c == 0 ? "M" : "L", mm(facet.corner[c][0]), -mm(facet.corner[c][1]));
-    path += "z";
+    for (std::size_t c = 0; c < 4; ++c) {
+      area += c == 0 ? 'M' : 'L';
+      area += point(facet.corner[c]);
+      if (facet.free_edge[c] || backing)
+        edges += fmt::format("M{}L{}", point(facet.corner[c]), point(facet.corner[(c + 1) % 4]));
+    }
+    area += "z";
   }
-  if (path.empty()) return {};
-  return fmt::format("<path class=\"{}\" stroke-width=\"{:.3f}\" d=\"{}\"/>\n",
-                     backing ? "backing" : "strand", mm(thickness), path);
+  if (area.empty()) return {};
+  const char* name = backing ? "backing" : "strand";
+  return fmt::format(
+      "<path class=\"{0}-area\" d=\"{1}\"/>\n<path class=\"{0}\" stroke-width=\"{2:.3f}\" d=\"{3}\"/>\n",
+      name, area, mm(thickness), edges);
 }
 
 std::string missile_outline(const Missile& missile, const SectionFrame& frame) {

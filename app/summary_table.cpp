@@ -19,10 +19,7 @@ void add_row(TextTable& table, const Summaries& summaries, const std::string& na
 }
 
 void add_results(TextTable& table, const Summaries& summaries) {
-  std::set<std::string> names;
-  for (const rigs::RunSummary& summary : summaries)
-    for (const auto& [name, quantity] : summary.results) names.insert(name);
-  for (const std::string& name : names) {
+  for (const std::string& name : result_names(summaries)) {
     add_row(table, summaries, readable_name(name), [&](const rigs::RunSummary& summary) -> std::string {
       const auto found = summary.results.find(name);
       return found == summary.results.end() ? not_available
@@ -45,6 +42,16 @@ void add_phases(TextTable& table, const Summaries& summaries) {
 }
 
 }  // namespace
+
+std::vector<std::string> result_names(const Summaries& summaries) {
+  std::vector<std::string> order{"peak_g", "time_of_peak", "rebound_velocity", "max_penetration"};
+  std::set<std::string> present;
+  for (const rigs::RunSummary& summary : summaries)
+    for (const auto& [name, quantity] : summary.results) present.insert(name);
+  std::erase_if(order, [&](const std::string& name) { return present.erase(name) == 0; });
+  order.insert(order.end(), present.begin(), present.end());
+  return order;
+}
 
 std::string summary_table(const Summaries& summaries) {
   using Summary = rigs::RunSummary;

@@ -10,4 +10,8 @@ namespace tuft::app {
 /// One column a run: results, conservation, cost.
 [[nodiscard]] std::string summary_table(const std::vector<rigs::RunSummary>& summaries);
 
+/// Names of all results that occur: a rig's main ones in the order a reader asks for them, then the rest by
+/// name.
+[[nodiscard]] std::vector<std::string> result_names(const std::vector<rigs::RunSummary>& summaries);
+
 }  // namespace tuft::app

@@ -11,7 +11,7 @@
 namespace tuft::app {
 namespace {
 
-constexpr double margin_left = 62, margin_right = 14, margin_top = 10, margin_bottom = 44;
+constexpr double margin_left = 70, margin_right = 14, margin_top = 10, margin_bottom = 44;
 
 struct Axis {
   double low = 0, high = 1, pixel_low = 0, pixel_high = 1;

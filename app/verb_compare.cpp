@@ -71,6 +71,7 @@ int compare(const CompareArguments& arguments) {
     attended.reset();
     attended = std::make_unique<AttendedRun>(run, run.scene.infill.approach == Approach::sph ? "SPH" : "DEM");
   };
+  request.after_run = [&](const rigs::RunSummary& summary) { attended->conclude(summary); };
   const std::vector<studies::ComparedRun> runs = studies::compare(request);
   attended.reset();
   return conclude(request.folder, runs, stop);

@@ -42,8 +42,9 @@ int resume(const ResumeArguments& arguments) {
   request.stop = &stop;
   rigs::RunSummary summary;
   {
-    const AttendedRun attended(request, "");
+    AttendedRun attended(request, "");
     summary = rigs::run(request);
+    attended.conclude(summary);
   }
   return conclude_run(request.folder, summary, stop);
 }

@@ -24,6 +24,7 @@ std::vector<ComparedRun> compare(const CompareRequest& request) {
     rigs::prepare_run_folder(run.folder, scene);
     if (request.before_run) request.before_run(run);
     runs.push_back({run.folder, rigs::run(run)});
+    if (request.after_run) request.after_run(runs.back().summary);
   }
   return runs;
 }

@@ -16,6 +16,7 @@ struct CompareRequest {
   const std::atomic<bool>* stop = nullptr;
   /// Called before each run starts: to attach progress and a log to it. May be empty.
   std::function<void(rigs::RunRequest&)> before_run;
+  std::function<void(const rigs::RunSummary&)> after_run;  ///< called when each has ended; may be empty
 };
 
 struct ComparedRun {
