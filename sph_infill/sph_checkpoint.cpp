@@ -35,9 +35,9 @@ void visit_numbers(ImplType& m, Visit&& visit) {
   visit("energy_gravity", m.energy.gravity_potential);
   visit("energy_damping", m.energy.damping);
   visit("energy_contact", m.energy.contact_work);
-  visit("half_kick_viscous", m.half_kick.viscous);
-  visit("half_kick_damping", m.half_kick.damping);
-  visit("half_kick_contact", m.half_kick.contact);
+  visit("pending_viscous", m.pending.viscous);
+  visit("pending_damping", m.pending.damping);
+  visit("pending_contact", m.pending.contact);
 }
 
 std::vector<double> read_array(const h5::Group& group, const std::string& name, std::size_t count) {

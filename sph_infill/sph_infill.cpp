@@ -160,7 +160,7 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   if (!stress.valid) report_invalid_stress();
   stable_step = stress.stable_step;
 
-  const Kick now{0.5 * (step_before + dt), gravity, damping, impulse, impulse_share};
+  const Kick now{step_before, dt, gravity, damping, impulse, impulse_share};
   const KickSums kicked = kick(settings, list, now, particles, kick_blocks);
   record_energy(stress, kicked);
 
@@ -173,17 +173,19 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   return kicked;
 }
 
-/// Energies of t_k, where the kick's first half has been done and its second has not.
+/// Energies of t_k: the kick's part before that moment counts, the rest is kept for the next.
 void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& kicked) {
   energy.kinetic = kicked.kinetic;
   energy.gravity_potential = kicked.gravity_potential;
   energy.stored += stress.work - stress.plastic;
-  energy.dissipated += stress.plastic + half_kick.viscous + 0.5 * kicked.viscous;
-  energy.damping += half_kick.damping + 0.5 * kicked.damping;
-  energy.contact_work += half_kick.contact + 0.5 * kicked.contact;
-  half_kick.viscous = 0.5 * kicked.viscous;
-  half_kick.damping = 0.5 * kicked.damping;
-  half_kick.contact = 0.5 * kicked.contact;
+  const auto account = [](double& sum, double& pending_work, const KickWork& work) {
+    sum += pending_work + work.until_now;
+    pending_work = work.whole - work.until_now;
+  };
+  energy.dissipated += stress.plastic;
+  account(energy.dissipated, pending.viscous, kicked.viscous);
+  account(energy.damping, pending.damping, kicked.damping);
+  account(energy.contact_work, pending.contact, kicked.contact);
 }
 
 void SphInfill::Impl::refresh_displacement() {

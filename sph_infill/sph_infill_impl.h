@@ -18,8 +18,10 @@ struct SphInfill::Impl {
   double displacement = 0;  ///< m, largest since the list was built
   std::uint64_t particle_steps = 0;
   InfillEnergy energy;  ///< as of the last force evaluation
-  KickSums half_kick;   ///< works of the half of the last kick that lies after that moment
-
+  /// Works of the part of the last kick that lies after that moment.
+  struct {
+    double viscous = 0, damping = 0, contact = 0;
+  } pending;
   std::vector<StressSums> stress_blocks;
   std::vector<KickSums> kick_blocks;
   std::vector<DriftCheck> drift_blocks;

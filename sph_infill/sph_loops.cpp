@@ -174,7 +174,7 @@ void kick_particle(const KernelType kernel, const LoopSettings& settings, const 
       p.stress_gradient[4][i], p.stress_gradient[5][i], p.stress_gradient[6][i], p.stress_gradient[7][i],
       p.stress_gradient[8][i];
   const Vec3 force = own * p.gradient_sum[i] + p.volume[i] * pairs.stress + pairs.viscous;
-  const double mass = p.mass[i], t = kick.duration;
+  const double mass = p.mass[i], t = kick.duration();
 
   const Vec3 impulse = kick.impulse ? Vec3(kick.impulse_share * (*kick.impulse)[i]) : Vec3(0, 0, 0);
   const Vec3 contact_change = impulse / mass;
@@ -186,11 +186,16 @@ void kick_particle(const KernelType kernel, const LoopSettings& settings, const 
   p.next_velocity.set(i, after);
 
   const Vec3 mean = 0.5 * (before + after);
-  total.kinetic += 0.25 * mass * (before.squaredNorm() + after.squaredNorm());
+  const double share_before =
+      kick.step_before / t;  // of the change of velocity, for a step dt_before as long
+  const auto work = [&](const Vec3& given) {
+    return KickWork{0.5 * share_before * given.dot(before), given.dot(mean)};
+  };
+  total.kinetic += 0.5 * mass * before.dot(before + share_before * (after - before));
   total.gravity_potential -= mass * kick.gravity.dot(p.position[i]);
-  if constexpr (viscous) total.viscous -= t * pairs.viscous.dot(mean);
-  total.damping += kick.damping * t * mass * mean.squaredNorm();
-  total.contact += impulse.dot(mean);
+  if constexpr (viscous) total.viscous += work(-t * pairs.viscous);
+  total.damping += work(kick.damping * t * mass * mean);
+  total.contact += work(impulse);
   total.impulse += mass * contact_change;
   total.impulse_scale += (mass * contact_change).cwiseAbs();
 }

@@ -67,13 +67,17 @@ Oscillation oscillate(test::Preset preset, bool viscosity, double step_share, do
   return result;
 }
 
+/// What is left is of first order in the step and of second in the amplitude: strain is integrated with the
+/// gradient at the end of a step, force is the partner of the gradient at its start. The paper's kernel has
+/// twelve of its eighteen neighbours at the rim, where the gradient changes fastest with the geometry.
 TEST_P(Conservation, EnergyOfAnOscillatingElasticCubeIsConstant) {
+  const double bound = GetParam() == test::Preset::accurate ? 1e-3 : 3e-2;
   const Oscillation at_working_step = oscillate(GetParam(), false, 0.8, 60);  // strains of 1 %
   RecordProperty("worst", testing::PrintToString(at_working_step.worst));
-  EXPECT_GT(at_working_step.exchanged, 0.5) << "kinetic energy did not turn into stored energy";
-  EXPECT_LT(at_working_step.worst, 2e-3);
-  const Oscillation at_small_step = oscillate(GetParam(), false, 0.2, 60);
-  EXPECT_LT(at_small_step.worst, at_working_step.worst);
+  EXPECT_GT(at_working_step.exchanged, 0.3) << "kinetic energy did not turn into stored energy";
+  EXPECT_LT(at_working_step.worst, bound);
+  EXPECT_LT(oscillate(GetParam(), false, 0.2, 60).worst, 0.4 * at_working_step.worst);
+  EXPECT_LT(oscillate(GetParam(), false, 0.8, 6).worst, 0.02 * at_working_step.worst);
 }
 
 TEST_P(Conservation, EnergyWithViscosityIsConstantOnceDissipationIsCounted) {
@@ -91,24 +95,22 @@ TEST_P(Conservation, EnergyOfAYieldingBlockThatFallsOnAFloorIsConstant) {
   test::PenaltyPlane floor;
   floor.stiffness = 10 * constrained_modulus(*materials[0].continuum, 1e5) * pitch;
   ContactImpulses contact;
-  double first = 0, worst = 0, dissipated = 0;
-  for (int k = 0; k < 400; ++k) {
-    const double dt = 0.35 * infill.stable_step();
+  double first = 0, kinetic = 0, worst = 0, dissipated = 0;
+  for (double t = 0; t < 0.0025;) {
+    const double dt = 0.2 * infill.stable_step();  // the floor's springs bear no more
     contact.linear.assign(infill.particles().size(), 0);
     floor.push(infill.particles(), dt, contact);
     infill.advance(dt, 1, contact);
     const InfillEnergy e = infill.energy();
-    if (k == 0) first = test::total(e);
-    worst = std::max(
-        worst, std::abs(test::total(e) - first) / e.kinetic > 1e300 ? 1 : std::abs(test::total(e) - first));
-    ASSERT_GE(e.dissipated, dissipated * (1 - 1e-12)) << "dissipation fell in step " << k;
+    if (t == 0) first = test::total(e), kinetic = e.kinetic;
+    worst = std::max(worst, std::abs(test::total(e) - first));
+    ASSERT_GE(e.dissipated, dissipated * (1 - 1e-12)) << "dissipation fell at t = " << t;
     dissipated = e.dissipated;
+    t += dt;
   }
-  double kinetic = 0;
-  for (std::size_t i = 0; i < infill.particles().size(); ++i) kinetic += 0.5 * infill.particles().mass[i] * 9;
   RecordProperty("worst", testing::PrintToString(worst / kinetic));
   EXPECT_GT(dissipated, 0.2 * kinetic);
-  EXPECT_LT(worst, 0.01 * kinetic);
+  EXPECT_LT(worst, 5e-3 * kinetic);
 }
 
 TEST(ContactReport, SaysWhatWasReallyGiven) {

@@ -8,7 +8,7 @@ namespace {
 
 /// P = K e on first loading; unloading modulus K0 + b p; G = ratio K_un; cone sqrt(J2) <= k + alpha p.
 struct Oedometer {
-  double virgin = 2e6, k0 = 3e6, b = 12, ratio = 0.4, cohesion = 30e3, alpha = 0.3, cutoff = 15e3;
+  double virgin = 2e6, k0 = 3e6, b = 12, ratio = 1.0, cohesion = 30e3, alpha = 0.3, cutoff = 15e3;
   SoilLaw law;
   SoilState state;
 

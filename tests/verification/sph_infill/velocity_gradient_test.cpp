@@ -115,7 +115,7 @@ TEST_P(VelocityGradient, IsThePartnerOfTheForceSoThatPowersAgreeForAnyVelocity) 
   std::vector<KickSums> kick_blocks(block_count(p));
   update_stress(settings, list, 0, p, stress_blocks);
   const double duration = 1e-9;
-  kick(settings, list, {duration, Vec3(0, 0, 0), 0, nullptr, 0}, p, kick_blocks);
+  kick(settings, list, {duration, duration, Vec3(0, 0, 0), 0, nullptr, 0}, p, kick_blocks);
   double force_power = 0;
   Vec3 momentum(0, 0, 0);
   double momentum_scale = 0;
