@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -291,6 +292,52 @@ TEST(RecordFile, WriteRefusedByTheSystemEndsInOneLineAndACleanExit) {
   ASSERT_TRUE(WIFEXITED(status)) << strsignal(WTERMSIG(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
   EXPECT_EQ(check_with_plain_hdf5(folder / "run.h5"), 4000u);
+}
+
+/// A small file system of its own; needs the right to mount.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const std::filesystem::path& folder) : folder_(folder) {
+    std::filesystem::create_directories(folder_);
+    mounted_ = ::mount("tuft-test", folder_.c_str(), "tmpfs", 0, "size=1m") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) ::umount(folder_.c_str());
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  [[nodiscard]] bool mounted() const { return mounted_; }
+
+ private:
+  std::filesystem::path folder_;
+  bool mounted_ = false;
+};
+
+TEST(RecordFile, FullDiskIsNoticedBeforeTheFileIsTouched) {
+  const ScratchFolder folder;
+  const SmallDisk disk(folder / "disk");
+  if (!disk.mounted()) GTEST_SKIP() << "no right to mount a file system";
+  const auto file = folder / "disk/run.h5";
+  RecordFile record = create(file);
+  append_rows(record, 0, 4000);
+  record.flush();
+  append_rows(record, 4000, 60000);
+  const std::string message = message_of<RunError>([&] { record.flush(); });
+  EXPECT_THAT(message, HasSubstr("disk/run.h5: no space left on device: "));
+  EXPECT_THAT(message, HasSubstr("make room, then resume from the last checkpoint"));
+  EXPECT_EQ(check_with_plain_hdf5(file), 4000u);
+  append_rows(record, 4000, 10);
+  record.flush();
+  EXPECT_EQ(check_with_plain_hdf5(file), 4010u) << "what fits is still recorded";
+  // A file written at once has no such warning: the write itself fails.
+  const std::string atomic = message_of<RunError>([&] {
+    h5::File checkpoint = h5::File::create_atomically(folder / "disk/checkpoint.h5");
+    checkpoint.root().write("x", std::vector<double>(200000, 1.0));
+    checkpoint.commit();
+  });
+  EXPECT_THAT(atomic, HasSubstr("/x: cannot write (write: No space left on device)"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "disk/checkpoint.h5"));
+  EXPECT_EQ(check_with_plain_hdf5(file), 4010u);
 }
 
 }  // namespace
