@@ -8,6 +8,9 @@
 namespace tuft::sph {
 namespace {
 
+/// Cells smaller than the reach waste fewer candidates: 5^3 half cells hold 0.58 of what 3^3 whole ones do.
+constexpr std::size_t cells_per_reach = 2;
+
 /// Share [begin, end) of `count` that thread `k` of `parts` works on.
 std::array<std::size_t, 2> share_of(std::size_t count, std::size_t k, std::size_t parts) {
   return {count * k / parts, count * (k + 1) / parts};
@@ -16,13 +19,13 @@ std::array<std::size_t, 2> share_of(std::size_t count, std::size_t k, std::size_
 }  // namespace
 
 NeighbourList::NeighbourList(const Vec3Array& positions, double support, double skin)
-    : reach_(support + skin), skin_(skin) {
+    : reach_(support + skin), skin_(skin), cell_size_(reach_ / cells_per_reach) {
   const std::array<const std::vector<double>*, 3> component{&positions.x, &positions.y, &positions.z};
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [low, high] = std::minmax_element(component[d]->begin(), component[d]->end());
-    // One cell of room on each side, before particles begin to share the outermost.
+    // Room on each side before particles begin to share the outermost cells.
     low_[d] = *low - reach_;
-    cells_[d] = static_cast<std::size_t>((*high - low_[d]) / reach_) + 2;
+    cells_[d] = static_cast<std::size_t>((*high - low_[d] + reach_) / cell_size_) + 1;
   }
 }
 
@@ -30,7 +33,7 @@ std::array<std::size_t, 3> NeighbourList::cell_of(double x, double y, double z) 
   const auto along = [this](double value, std::size_t d) {
     // Clamping keeps neighbouring cells neighbours, so no pair is lost outside the grid.
     return static_cast<std::size_t>(
-        std::clamp(std::floor((value - low_[d]) / reach_), 0.0, static_cast<double>(cells_[d] - 1)));
+        std::clamp(std::floor((value - low_[d]) / cell_size_), 0.0, static_cast<double>(cells_[d] - 1)));
   };
   return {along(x, 0), along(y, 1), along(z, 2)};
 }
@@ -60,8 +63,8 @@ void NeighbourList::sort_into_cells(const Vec3Array& positions) {
 void NeighbourList::find_row(std::size_t i, std::vector<Index>& found) const {
   const double x = reference_.x[i], y = reference_.y[i], z = reference_.z[i], reach_squared = reach_ * reach_;
   const auto cell = cell_of(x, y, z);
-  const auto low = [&](std::size_t d) { return cell[d] > 0 ? cell[d] - 1 : 0; };
-  const auto high = [&](std::size_t d) { return std::min(cell[d] + 1, cells_[d] - 1); };
+  const auto low = [&](std::size_t d) { return cell[d] - std::min(cells_per_reach, cell[d]); };
+  const auto high = [&](std::size_t d) { return std::min(cell[d] + cells_per_reach, cells_[d] - 1); };
   const std::size_t first = found.size();
   for (std::size_t cx = low(0); cx <= high(0); ++cx)
     for (std::size_t cy = low(1); cy <= high(1); ++cy) {

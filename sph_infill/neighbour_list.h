@@ -38,7 +38,7 @@ class NeighbourList {
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
   void find_row(std::size_t i, std::vector<Index>& found) const;
 
-  double reach_ = 0, skin_ = 0;
+  double reach_ = 0, skin_ = 0, cell_size_ = 1;
   std::array<double, 3> low_{};
   std::array<std::size_t, 3> cells_{1, 1, 1};
   Vec3Array reference_;
