@@ -48,6 +48,9 @@ struct DemInfill::Impl {
   double time = 0;     // s, end of the last window
   double damping = 0;  // 1/s
   double initial_stored = 0;
+  double missing =
+      0;  // J, energy that left the motion of the grains and is not stored, at the last `energy()`
+  double dissipated = 0;    // J, sum of all increases of `missing`
   std::uint64_t steps = 0;  // substeps so far
   double waiting = 0, exchanging = 0;
 
@@ -242,7 +245,10 @@ InfillEnergy DemInfill::energy() const {
   energy.kinetic = shared.kinetic;
   energy.contact_work = shared.contact_work - 0.5 * shared.last_contact_work;
   energy.damping = -(shared.damping_work - 0.5 * shared.last_damping_work);
-  energy.dissipated = -pair_work - (energy.stored - my.initial_stored);
+  const double missing = -pair_work - (energy.stored - my.initial_stored);
+  my.dissipated += std::max(0.0, missing - my.missing);
+  my.missing = missing;
+  energy.dissipated = my.dissipated;
   return energy;
 }
 
@@ -271,6 +277,8 @@ void DemInfill::save(h5::Group& group) {
   group.write_scalar("steps", my.steps);
   group.write_scalar("damping", my.damping);
   group.write_scalar("initial_stored", my.initial_stored);
+  group.write_scalar("missing", my.missing);
+  group.write_scalar("dissipated", my.dissipated);
   group.write_scalar("started", static_cast<std::uint64_t>(my.started));
 }
 
@@ -292,6 +300,8 @@ void DemInfill::load(const h5::Group& group) {
   my.steps = group.read_count("steps");
   my.damping = group.read_double("damping");
   my.initial_stored = group.read_double("initial_stored");
+  my.missing = group.read_double("missing");
+  my.dissipated = group.read_double("dissipated");
   my.started = group.read_count("started") != 0;
   write_bytes(my.host->folder() / "restart", group.read_bytes("restart"));
   my.start_host("read_restart", "restart");

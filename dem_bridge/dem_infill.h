@@ -47,6 +47,10 @@ struct DemSettings {
   std::array<Vec3, 2> box{};  ///< m, LIGGGHTS' domain; grains that leave it are lost (RunError)
 };
 
+/// Every member that reaches the host throws RunError when it is gone, silent for longer than
+/// DemOptions::answer_timeout, or reports a value that is not finite or a lost grain; the message has the
+/// time and the grain or the host's last words. The host ends with the thread that made this object, at the
+/// latest. The step may change from window to window; set_damping slows spin as well as motion.
 class DemInfill final : public Infill {
  public:
   /// Starts a host process. Throws RunError when it is missing, does not answer, or reports an error (with
@@ -60,13 +64,25 @@ class DemInfill final : public Infill {
   [[nodiscard]] double stable_step() const override;
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;
+  /// All as of the last kick (t_k for one substep a window). kinetic, contact_work and damping are summed in
+  /// the host from what each kick did. stored is the closed form over the contacts: Hertz normal energy, and
+  /// the tangential and rolling springs with their present stiffness (dem_bridge/hertz.h).
+  ///
+  /// LIGGGHTS 3.8.0 registers energy options for its contact models (computeElasticPotential,
+  /// computeDissipatedEnergy), but no integrator of the library sums them up; so what grain contacts
+  /// dissipate is what left the motion (minus the work of all grain-grain forces, summed every step) and is
+  /// not stored. A dissipation cannot shrink: dissipated adds up its increases from one call to the next, so
+  /// energy that contacts create (a step beyond stability, a spring that remembers too long) is not hidden in
+  /// it but breaks the balance of the sum. Cost: one pass over the neighbour list, about a third of a DEM
+  /// step; call it when recording.
   [[nodiscard]] InfillEnergy energy() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;
   void load(const h5::Group& group) override;
   [[nodiscard]] std::vector<Field> fields() const override;
 
-  void set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin);  ///< before the first advance
+  /// Before the first advance; std::logic_error afterwards.
+  void set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin);
   [[nodiscard]] double waiting_seconds() const;   ///< wall time spent waiting for the host's DEM steps
   [[nodiscard]] double exchange_seconds() const;  ///< wall time of copying and signalling
   [[nodiscard]] int host_process() const;         ///< process id, for tests that kill it

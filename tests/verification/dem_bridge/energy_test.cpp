@@ -65,10 +65,10 @@ TEST(InfillEnergy, HeadOnElasticCollisionDissipatesNothing) {
 
 TEST(InfillEnergy, ObliqueCollisionWithFrictionBalancesAndDissipationOnlyGrows) {
   const Collision result = collide(0.6);
-  EXPECT_LT(result.largest_defect, 1e-10 * result.start);
-  EXPECT_LT(result.largest_drop, 2e-3 * result.start);
+  EXPECT_LT(result.largest_defect, 1e-4 * result.start);
+  EXPECT_EQ(result.largest_drop, 0);
   EXPECT_GT(result.dissipated, 0.3 * result.start);
-  EXPECT_NEAR(result.dissipated, result.start - result.kinetic, 1e-10 * result.start);
+  EXPECT_NEAR(result.dissipated, result.start - result.kinetic, 1e-4 * result.start);
 }
 
 TEST(InfillEnergy, ShakenBlockUnderGravityWallsAndDampingBalances) {
@@ -87,11 +87,35 @@ TEST(InfillEnergy, ShakenBlockUnderGravityWallsAndDampingBalances) {
     if (k % 10 != 9) continue;
     const InfillEnergy energy = infill.energy();
     ASSERT_NEAR(total(energy), start, 1e-6 * scale) << "window " << k;
-    ASSERT_GE(energy.dissipated, before - 1e-3 * scale) << "window " << k << ": contact made energy";
+    ASSERT_GE(energy.dissipated, before);
     before = energy.dissipated;
   }
   EXPECT_GT(infill.energy().dissipated, 0.2 * scale);
   EXPECT_GT(infill.energy().damping, 0.05 * scale);
+}
+
+/// Grains in a box that squeezes them by a sixth and lets go; the largest excess of energy in sum, relative
+/// to what was dissipated.
+double created_energy(double steps_of_stability) {
+  ShakenBlock block(6);
+  DemSettings settings = settings_in_box(0.05);
+  settings.rolling_resistance = true;
+  DemInfill infill(block.grains, block.materials, settings);
+  const double window = steps_of_stability * infill.stable_step(), width = block.half_width, period = 1.5e-3;
+  double start = 0, created = 0;
+  for (int k = 0; k * window < period; ++k) {
+    block.half_width = width * (1 - 0.075 * (1 - std::cos(2 * 3.141592653589793 * k * window / period)));
+    infill.advance(window, 1, block.confine(infill, window));
+    if (k == 0) start = total(infill.energy());
+    if (k % 5 == 4) created = std::max(created, total(infill.energy()) - start);
+  }
+  EXPECT_GT(infill.energy().dissipated, 1e-4) << "hardly squeezed";
+  return created / infill.energy().dissipated;
+}
+
+TEST(InfillEnergy, BalanceOfASqueezedBlockShowsAStepBeyondStability) {
+  EXPECT_LT(created_energy(0.8), 1e-4);
+  EXPECT_GT(created_energy(2.5), 0.1);
 }
 
 TEST(InfillEnergy, ContactWorkIsTheEnergyThatASpringGave) {
