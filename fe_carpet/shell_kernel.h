@@ -18,6 +18,11 @@
 ///   alternately above and below that plane, the spin would be read as hourglassing; the work-conjugate
 ///   forces restore the balance of moments.
 /// As in the paper, warping does not couple membrane and bending (no Belytschko-Wong-Chiang terms).
+///
+/// Known limits, held as tests: in a strip one element wide, bending in the strip's plane (3/2 r (1 +
+/// a^2/b^2) of the beam's stiffness) and torsion (kappa r (a^2 + b^2) / 4ab of the strip's) are resisted by
+/// the hourglass control of coefficient r alone; off parallelograms a constant moment comes with spurious
+/// transverse shear.
 #include <cmath>
 
 #include "core/vector.h"
