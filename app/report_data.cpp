@@ -91,6 +91,11 @@ std::vector<std::filesystem::path> expand_run_folders(const std::vector<std::fil
   return runs;
 }
 
+bool has_fibres(const RunData& run) {
+  return std::none_of(run.summary.effects.begin(), run.summary.effects.end(),
+                      [](const EffectDecision& effect) { return effect.name == "fibres" && !effect.on; });
+}
+
 std::optional<double> peak_time(const RunData& run) {
   if (!run.history.has("acceleration_filtered")) return std::nullopt;
   const std::vector<double>& acceleration = run.history.at("acceleration_filtered");

@@ -76,6 +76,9 @@ struct RunData {
 [[nodiscard]] std::vector<std::filesystem::path> expand_run_folders(
     const std::vector<std::filesystem::path>& folders);
 
+/// False where the effect `fibres` was switched off.
+[[nodiscard]] bool has_fibres(const RunData& run);
+
 /// Time of the largest filtered deceleration, s since release; empty without history.
 [[nodiscard]] std::optional<double> peak_time(const RunData& run);
 

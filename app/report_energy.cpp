@@ -158,8 +158,11 @@ std::string report_energy(const Runs& runs) {
   }
   text +=
       "<p class=\"note\">The missile’s kinetic energy is shown as it is, all other terms as their change "
-      "since the release. The infill’s stored energy in SPH is the whole work of its stresses, plastic work "
-      "included; in DEM it is the elastic energy of the grain contacts alone.</p>\n";
+      "since "
+      "the release. Stored in the infill: elastic energy of the continuum (SPH) or of the contacts between "
+      "grains "
+      "(DEM). Dissipated in it: plastic and viscous work (SPH), friction and damping between grains "
+      "(DEM).</p>\n";
   return html_section("energy", "Energy balance", text);
 }
 

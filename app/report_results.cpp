@@ -23,7 +23,7 @@ std::string describe_rig(const Scene& scene) {
                      format_input(1e3 * clegg.diameter), format_input(clegg.speed));
 }
 
-std::string describe_turf(const Scene& scene) {
+std::string describe_turf(const Scene& scene, bool fibres) {
   std::string layers;
   for (const Layer& layer : scene.turf.layers) {
     if (!layers.empty()) layers += ", ";
@@ -31,12 +31,14 @@ std::string describe_turf(const Scene& scene) {
                           escape_html(scene.materials.at(static_cast<std::size_t>(layer.material)).name));
   }
   const CarpetDesign& carpet = scene.turf.carpet;
-  return fmt::format(
-      "{} × {} mm patch; infill from the bottom: {}; pile {} mm, gauge {} mm, stitch {} mm, {} strands a "
-      "tuft",
-      format_input(1e3 * scene.turf.size[0]), format_input(1e3 * scene.turf.size[1]), layers,
-      format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
-      format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft);
+  const std::string pile =
+      fibres ? fmt::format("pile {} mm, gauge {} mm, stitch {} mm, {} strands a tuft",
+                           format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
+                           format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft)
+             : std::string("no fibres (effect switched off)");
+  return fmt::format("{} × {} mm patch; infill from the bottom: {}; {}",
+                     format_input(1e3 * scene.turf.size[0]), format_input(1e3 * scene.turf.size[1]), layers,
+                     pile);
 }
 
 std::string describe_states(const Runs& runs) {
@@ -88,7 +90,7 @@ std::string report_head(const Runs& runs) {
   std::string text = fmt::format("<header>\n<h1>{}</h1>\n", escape_html(first.summary.scene_name));
   if (first.scene) {
     text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n<dt>Turf</dt><dd>{}</dd>\n",
-                        describe_rig(*first.scene), describe_turf(*first.scene));
+                        describe_rig(*first.scene), describe_turf(*first.scene, has_fibres(first)));
   } else {
     text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n", escape_html(first.summary.rig));
   }

@@ -58,16 +58,18 @@ std::string panels(const RunData& run, std::size_t index, const SectionFrame& fr
   return panel > 0 ? text + "</div>\n" : std::string();
 }
 
-std::string material_key(const Scene& scene, const SectionFrame& frame) {
+std::string material_key(const Scene& scene, const SectionFrame& frame, bool fibres) {
   std::string text = "<p class=\"legend\">";
   for (const auto& [material, style] : frame.material_style)
     text += fmt::format(
         "<span><svg class=\"swatch\" width=\"14\" height=\"12\" aria-hidden=\"true\"><g class=\"{}\"><circle "
         "cx=\"6\" cy=\"6\" r=\"5\"/></g></svg>{}</span> ",
         style, escape_html(scene.materials.at(static_cast<std::size_t>(material)).name));
-  return text +
-         "<span><svg class=\"swatch\" width=\"26\" height=\"10\" aria-hidden=\"true\"><path class=\"strand\" "
-         "stroke-width=\"2\" d=\"M1 5H25\"/></svg>fibres</span></p>\n";
+  if (fibres)
+    text +=
+        "<span><svg class=\"swatch\" width=\"26\" height=\"10\" aria-hidden=\"true\"><path class=\"strand\" "
+        "stroke-width=\"2\" d=\"M1 5H25\"/></svg>fibres</span>";
+  return text + "</p>\n";
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ std::string report_sections(const Runs& runs) {
     const SectionFrame frame = make_section_frame(*runs[i].scene);
     const std::string drawn = panels(runs[i], i, frame);
     if (drawn.empty()) continue;
-    if (text.empty()) text += material_key(*runs[i].scene, frame);
+    if (text.empty()) text += material_key(*runs[i].scene, frame, has_fibres(runs[i]));
     text += drawn;
     if (const auto any = runs[i].section(runs[i].frame_times.back()))
       note += fmt::format(" {}: {} mm of particles, {} mm of backing and roots of fibres.",

@@ -51,7 +51,7 @@ line.limit { stroke:var(--bad); stroke-dasharray:5 4; } text.limit { fill:var(--
 @media (max-width:760px) { .panels { grid-template-columns:1fr; } }
 svg.section { display:block; width:100%; height:auto; background:var(--panel); border-radius:3px; }
 svg.section circle { stroke:var(--panel); stroke-width:.12; }
-.strand { fill:none; stroke:var(--strand); stroke-linecap:round; } .strand-area { fill:var(--strand); fill-opacity:.22; }
+.strand { fill:none; stroke:var(--strand); stroke-linecap:round; } .strand-area { fill:var(--strand); fill-opacity:.16; }
 .backing { fill:none; stroke:var(--backing); } .backing-area { fill:var(--backing); }
 .missile { fill:var(--missile); stroke:var(--missile-edge); stroke-width:.5; }
 .tray { fill:none; stroke:var(--soft); stroke-width:.6; } path.scale { fill:none; stroke:var(--soft); stroke-width:.5; }

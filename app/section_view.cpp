@@ -36,6 +36,8 @@ std::string point(const std::array<float, 2>& at) {
   return fmt::format("{:.2f} {:.2f}", mm(at[0]), -mm(at[1]));
 }
 
+constexpr double thinnest_line = 0.2;  // mm, so that thin strands stay visible
+
 /// Strips as pale areas, their long edges as lines of the shell's thickness: a strand seen on edge has its
 /// true one.
 std::string facets(const Section& section, bool backing, double thickness) {
@@ -54,7 +56,7 @@ std::string facets(const Section& section, bool backing, double thickness) {
   const char* name = backing ? "backing" : "strand";
   return fmt::format(
       "<path class=\"{0}-area\" d=\"{1}\"/>\n<path class=\"{0}\" stroke-width=\"{2:.3f}\" d=\"{3}\"/>\n",
-      name, area, mm(thickness), edges);
+      name, area, std::max(thinnest_line, mm(thickness)), edges);
 }
 
 std::string missile_outline(const Missile& missile, const SectionFrame& frame) {

@@ -172,6 +172,30 @@ TEST(Section, TakesOnlyParticlesNearThePlaneAndTheMissileFromTheFrame) {
   EXPECT_FALSE(section->facets.empty());
 }
 
+TEST(Section, HoldsWholeStrandsAndOnlyTheOutlineOfEach) {
+  const test::TemporaryFolder folder;
+  test::write_fake_run(folder.path(), short_run(Approach::sph));
+  const auto section = read_run(folder.path()).section(0.004);
+  ASSERT_TRUE(section.has_value());
+  // 8 tufts of 4 strands with 12 facets each stand in the plane; a strip of 12 facets has 26 free edges.
+  std::size_t facets = 0, free_edges = 0;
+  for (const Facet& facet : section->facets) {
+    if (facet.backing) continue;
+    ++facets;
+    for (const bool free : facet.free_edge) free_edges += free ? 1 : 0;
+  }
+  EXPECT_EQ(facets, 8u * 4 * 12);
+  EXPECT_EQ(free_edges, 8u * 4 * 26);
+}
+
+TEST(Section, ShowsNoMissileBeforeTheRelease) {
+  const test::TemporaryFolder folder;
+  test::write_fake_run(folder.path(), short_run(Approach::sph));
+  const auto section = read_run(folder.path()).section(0.0);
+  ASSERT_TRUE(section.has_value());
+  EXPECT_EQ(section->missile.radius, 0.0);
+}
+
 TEST(Report, ShowsAFailedRunAsFailedBesideAGoodOne) {
   const test::TemporaryFolder folder;
   test::write_fake_run(folder.path() / "sph", short_run(Approach::sph));
