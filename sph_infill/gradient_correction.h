@@ -8,8 +8,9 @@
 namespace tuft::sph {
 
 /// A direction in which the moment matrix falls below this share of a full neighbourhood's (which is 1)
-/// counts as poorly supported. Free corners of a cubic lattice, the thinnest support that a bed has at rest,
-/// lie at 0.22 to 0.3.
+/// counts as poorly supported. Free corners
+/// of a cubic lattice, the thinnest support of a bed at rest, have 0.22 (h = 1.3 pitch) and 0.33 (h = 0.71
+/// pitch).
 inline constexpr double least_support = 0.1;
 
 /// B = M^-1 of the moment matrix M = sum_j V_j (x_j - x_i) (x) grad_i W_ij (symmetric, >= 0; near the unit

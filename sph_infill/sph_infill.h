@@ -45,9 +45,15 @@ class SphInfill final : public Infill {
 
   [[nodiscard]] std::string_view approach() const override { return "sph"; }
   [[nodiscard]] ParticleView particles() const override;
+  /// As of the last stress evaluation; how it is estimated and how near the true limit: stable_step.h. Walls
+  /// are not in it: a contact spring k on a particle of mass m needs dt < 2 sqrt(m/k) of its own.
   [[nodiscard]] double stable_step() const override;
+  /// Empty contact arrays stand for no contact.
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;
+  /// Kinetic energy is sum m v_{k-1/2} . v_{k+1/2} / 2, which the leapfrog keeps exactly against the works of
+  /// its forces (sph_loops.h, KickSums). Stored is the stress work less plastic work, dissipated plastic work
+  /// and viscosity.
   [[nodiscard]] InfillEnergy energy() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;
