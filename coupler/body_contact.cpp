@@ -67,7 +67,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   kinematics.velocity = points.velocity(i) + points.spin(i).cross(result.arm) - body.velocity;
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
   result.contact = compute_contact_force(parameters, kinematics, dt, history);
-  result.released = parameters.stiffness * kinematics.overlap * history.offset * (release_before - release);
+  result.released =
+      release_work(parameters.stiffness, kinematics.overlap, history.offset * (release_before - release));
   result.touching = true;
   return result;
 }

@@ -55,6 +55,7 @@ class EnergyLedger {
   /// particle and node).
   void enter(double time, const EnergyTerms& terms, const std::string& fastest);
 
+  [[nodiscard]] double imbalance() const { return last_.balance() - reference_; }  ///< J, of the last entry
   [[nodiscard]] double error() const { return error_; }  ///< relative, signed, of the last entry
   [[nodiscard]] double largest_error() const {
     return largest_error_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "core/geometry.h"
@@ -31,16 +32,37 @@ Vec3 facet_normal(const std::array<Vec3, 4>& corner) {
   return (corner[2] - corner[0]).cross(corner[3] - corner[1]).normalized();
 }
 
+/// Edges that no second element of the same surface shares.
+std::vector<std::array<bool, 4>> find_outer_edges(const fe::ShellMesh& mesh) {
+  std::map<std::tuple<Index, Index, Index>, int> users;
+  const auto edge = [&](std::size_t e, int c) {
+    const Index a = mesh.quads[e][c], b = mesh.quads[e][(c + 1) % 4];
+    return std::make_tuple(mesh.surface[e], std::min(a, b), std::max(a, b));
+  };
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    for (int c = 0; c < 4; ++c) ++users[edge(e, c)];
+  std::vector<std::array<bool, 4>> outer(mesh.quads.size());
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    for (int c = 0; c < 4; ++c) outer[e][c] = users[edge(e, c)] == 1;
+  return outer;
+}
+
 }  // namespace
 
 ParticleShellContact::ParticleShellContact(const fe::ShellMesh& mesh, std::span<const double> node_stiffness,
                                            std::span<const double> node_mass, ParticleShellSettings settings)
-    : mesh_(mesh), node_mass_(node_mass.begin(), node_mass.end()), settings_(std::move(settings)) {
+    : mesh_(mesh),
+      outer_edge_(find_outer_edges(mesh)),
+      node_mass_(node_mass.begin(), node_mass.end()),
+      settings_(std::move(settings)) {
   element_stiffness_.reserve(mesh.quads.size());
   for (const auto& quad : mesh.quads) {
     double softest = node_stiffness[quad[0]];
     for (int c = 1; c < 4; ++c) softest = std::min(softest, node_stiffness[quad[c]]);
     element_stiffness_.push_back(settings_.shell_share * softest);
+    const Vec3 diagonal_a = mesh.nodes[quad[2]] - mesh.nodes[quad[0]],
+               diagonal_b = mesh.nodes[quad[3]] - mesh.nodes[quad[1]];
+    element_area_.push_back(0.5 * diagonal_a.cross(diagonal_b).norm());
   }
 }
 
@@ -108,6 +130,21 @@ void ParticleShellContact::search(const ParticleView& particles, const fe::NodeV
   searched_ = true;
 }
 
+bool ParticleShellContact::on_rim(Index element, const std::array<double, 4>& weight) const {
+  const auto& outer = outer_edge_[element];
+  int corners_in_use = 0, last = 0;
+  for (int c = 0; c < 4; ++c)
+    if (weight[c] > 0) {
+      ++corners_in_use;
+      last = c;
+    }
+  if (corners_in_use == 1) return outer[last] || outer[(last + 3) % 4];
+  if (corners_in_use != 2) return false;
+  for (int c = 0; c < 4; ++c)
+    if (weight[c] > 0 && weight[(c + 1) % 4] > 0) return outer[c];
+  return false;  // on the diagonal between the two triangles of the facet
+}
+
 ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pair,
                                                                  const ParticleView& particles, double ahead,
                                                                  const fe::NodeView& nodes, double dt,
@@ -117,18 +154,20 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   const Index p = key_point(keys_[pair]);
   const Vec3 centre = particles.position(p) + ahead * particles.velocity(p);
 
-  FacetPoint nearest{};
-  Index element = -1;
-  for (std::size_t s = first_element_[pair]; s < first_element_[pair + 1]; ++s) {
+  const std::size_t first = first_element_[pair];
+  Index element = elements_[first];
+  FacetPoint nearest = closest_point_on_facet(centre, corners(nodes, mesh_.quads[element]));
+  for (std::size_t s = first + 1; s < first_element_[pair + 1]; ++s) {
     const FacetPoint candidate = closest_point_on_facet(centre, corners(nodes, mesh_.quads[elements_[s]]));
-    if (element < 0 || candidate.distance_squared < nearest.distance_squared) {
+    if (candidate.distance_squared < nearest.distance_squared) {
       nearest = candidate;
       element = elements_[s];
     }
   }
   const double radius = particles.radius[p] * settings_.radius_factor;
   const double touching = radius + 0.5 * mesh_.thickness[element];
-  const ContactParameters parameters{std::min(settings_.stiffness[p], element_stiffness_[element]),
+  const double cover = std::min(1.0, 4 * particles.radius[p] * particles.radius[p] / element_area_[element]);
+  const ContactParameters parameters{std::min(settings_.stiffness[p], cover * element_stiffness_[element]),
                                      settings_.damping_ratio[p], 0.5, settings_.friction[p]};
   if (nearest.distance_squared >= touching * touching) {
     result.contact.friction = release_spring(parameters, history);
@@ -138,21 +177,20 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   }
 
   // The side a particle came from is remembered: when a thin, soft strand is overrun the push stays on that
-  // side.
-  const auto corner = corners(nodes, mesh_.quads[element]);
-  const Vec3 facet = facet_normal(corner);
+  // side. Round the rim of a strand a particle is free to change sides. So is one that leaves a fold of the
+  // strand for another: the nearest point jumps then, while the distance of a particle that passes through
+  // the sheet goes through zero.
+  const Vec3 facet = facet_normal(corners(nodes, mesh_.quads[element]));
   const Vec3 apart = centre - nearest.point;
-  double distance = std::sqrt(nearest.distance_squared);
-  const double height = apart.dot(facet);
-  if (history.side == 0) history.side = height >= 0 ? 1 : -1;
+  const double nearness = std::sqrt(nearest.distance_squared);
+  const double present_side = apart.dot(facet) >= 0 ? 1 : -1;
+  const bool fresh = history.side == 0;
+  const bool passed = present_side != history.side && history.distance < 0.25 * touching;
+  if (fresh || on_rim(element, nearest.weight) || !passed) history.side = present_side;
+  const double distance = present_side == history.side ? nearness : -nearness;
+  history.distance = distance;
   ContactKinematics kinematics;
-  const bool over_face = std::abs(height) > 0.999 * distance;
-  if (over_face || distance == 0) {
-    kinematics.normal = history.side * facet;
-    distance = history.side * height;
-  } else {
-    kinematics.normal = apart / distance;
-  }
+  kinematics.normal = nearness > 1e-9 * touching ? Vec3(apart / distance) : Vec3(history.side * facet);
   const double overlap = touching - distance;
   const double kept = history.offset * release;
   kinematics.overlap = overlap - kept;
@@ -173,7 +211,8 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   kinematics.velocity = particles.velocity(p) + particles.spin(p).cross(result.arm) - shell_velocity;
   kinematics.effective_mass = 1.0 / (1.0 / particles.mass[p] + inverse_shell_mass);
   result.contact = compute_contact_force(parameters, kinematics, dt, history);
-  result.released = parameters.stiffness * kinematics.overlap * history.offset * (release_before - release);
+  result.released =
+      release_work(parameters.stiffness, kinematics.overlap, history.offset * (release_before - release));
   result.softening = settings_.stiffness[p] / parameters.stiffness;
   result.weight = nearest.weight;
   result.element = element;

@@ -17,9 +17,10 @@ struct ParticleShellSettings {
   std::vector<double> damping_ratio;  ///< per particle
   std::vector<FrictionLaw> friction;  ///< per particle, against fibre and backing
   double radius_factor = 1;           ///< contact radius for shells over the particle's radius
-  /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness).
-  /// With it a node pushed by contacts of summed weight w has omega^2 dt^2 <= s^2 (4 + share w) at step
-  /// safety s: stable at s = 0.8 up to w = 2.25/share.
+  /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness),
+  /// for a particle that covers a whole element; one that covers less, (2r)^2 of the element's area, gets as
+  /// much less. However densely both faces are covered, the sum over a node's contacts then stays under the
+  /// share, and its omega^2 dt^2 under s^2 (4 + share) at step safety s (docs/theory/contact.md).
   double shell_share = 0.5;
 };
 
@@ -64,8 +65,15 @@ class ParticleShellContact {
   Result evaluate_pair(std::size_t pair, const ParticleView& particles, double ahead,
                        const fe::NodeView& nodes, double dt, double release, double release_before);
 
+  /// Whether the nearest point of an element lies on the rim of its surface: there a particle may pass from
+  /// one side to the other, over the face it may not.
+  [[nodiscard]] bool on_rim(Index element, const std::array<double, 4>& weight) const;
+
   const fe::ShellMesh& mesh_;
   std::vector<double> element_stiffness_;  ///< N/m, bound per element
+  std::vector<double> element_area_;       ///< m^2, as built
+  std::vector<std::array<bool, 4>>
+      outer_edge_;  ///< per element: edge c to c+1 belongs to this element of its surface alone
   std::vector<double> node_mass_;
   ParticleShellSettings settings_;
 

@@ -86,6 +86,11 @@ void Simulation::advance_interval(double interval) {
   }
   time_ = start + interval;
   const ScopedPhase phase(timers_, Phase::ledger);
+  if (!referenced_) {
+    carpet_reference_ = carpet_balance();
+    infill_reference_ = infill_balance();
+    referenced_ = true;
+  }
   ledger_.enter(time_, energy_terms(), describe_fastest());
 }
 
@@ -240,6 +245,24 @@ ParticleView Simulation::node_points(const fe::NodeView& nodes) const {
   view.radius = parts_.node_radius;
   view.mass = nodes.mass;
   return view;
+}
+
+double Simulation::carpet_balance() const {
+  const fe::CarpetEnergy e = parts_.carpet->energy();
+  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping - e.external_work;
+}
+
+double Simulation::infill_balance() const {
+  const InfillEnergy e = parts_.infill->energy();
+  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping - e.contact_work;
+}
+
+Simulation::Residuals Simulation::residuals() const {
+  Residuals r;
+  r.carpet = carpet_balance() - carpet_reference_;
+  r.infill = infill_balance() - infill_reference_;
+  r.contact_and_bodies = ledger_.imbalance() - r.carpet - r.infill;
+  return r;
 }
 
 EnergyTerms Simulation::energy_terms() const {

@@ -62,6 +62,12 @@ class Simulation {
   /// Contact impulse each body received over the last interval, N s.
   [[nodiscard]] const std::vector<Vec3>& interval_impulse() const { return interval_impulse_; }
   [[nodiscard]] const EnergyLedger& ledger() const { return ledger_; }
+  /// The balance by part, J: what carpet and infill gained beyond the work done on them, and what contact
+  /// took from them and from the bodies beyond what it stored and dissipated. Shows whose step is too large.
+  struct Residuals {
+    double carpet = 0, infill = 0, contact_and_bodies = 0;
+  };
+  [[nodiscard]] Residuals residuals() const;
   [[nodiscard]] double momentum_error() const { return momentum_error_; }
   [[nodiscard]] const ParticleShellContact& particle_shell() const { return particle_shell_; }
   [[nodiscard]] const BodyContact& particle_body() const { return particle_body_; }
@@ -89,6 +95,8 @@ class Simulation {
   [[nodiscard]] double release_at(double time) const;
   [[nodiscard]] ParticleView node_points(const fe::NodeView& nodes) const;
   [[nodiscard]] EnergyTerms energy_terms() const;
+  [[nodiscard]] double carpet_balance() const;
+  [[nodiscard]] double infill_balance() const;
 
   SimulationParts parts_;
   ParticleShellContact particle_shell_;
@@ -112,6 +120,9 @@ class Simulation {
   Vec3 infill_acceleration_{0, 0, 0};
   double time_ = 0, start_time_ = 0;
   std::uint64_t windows_ = 0, searches_ = 0;
+  double carpet_reference_ = 0,
+         infill_reference_ = 0;  ///< J, own energies less own work, at the first ledger entry
+  bool referenced_ = false;
   double body_kinetic_ = 0, body_potential_ = 0, external_work_ = 0;
   double momentum_error_ = 0, largest_exchange_ = 0, largest_imbalance_ = 0;
 };

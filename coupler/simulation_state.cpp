@@ -52,9 +52,18 @@ double Simulation::highest_carpet(double x, double y, double radius) const {
 }
 
 void Simulation::save(h5::Group& group) {
-  const std::vector<double> numbers{
-      time_,           start_time_,       body_kinetic_,      body_potential_,      external_work_,
-      momentum_error_, largest_exchange_, largest_imbalance_, reference_.last_moved};
+  const std::vector<double> numbers{time_,
+                                    start_time_,
+                                    body_kinetic_,
+                                    body_potential_,
+                                    external_work_,
+                                    momentum_error_,
+                                    largest_exchange_,
+                                    largest_imbalance_,
+                                    reference_.last_moved,
+                                    carpet_reference_,
+                                    infill_reference_,
+                                    referenced_ ? 1.0 : 0.0};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("windows", windows_);
   group.write_scalar("searches", searches_);
@@ -101,6 +110,9 @@ void Simulation::load(const h5::Group& group) {
   momentum_error_ = numbers.at(5);
   largest_exchange_ = numbers.at(6);
   largest_imbalance_ = numbers.at(7);
+  carpet_reference_ = numbers.at(9);
+  infill_reference_ = numbers.at(10);
+  referenced_ = numbers.at(11) != 0;
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");

@@ -270,6 +270,12 @@ void Runner::measure() {
                                                 simulation.particle_body().initial_overlap().largest,
                                                 simulation.node_body().initial_overlap().largest}),
                                       "m"};
+  if (summary_.status != "failed") {  // a lost host cannot be asked
+    const auto residuals = simulation.residuals();
+    notes["energy_residual_carpet"] = {residuals.carpet, "J"};
+    notes["energy_residual_infill"] = {residuals.infill, "J"};
+    notes["energy_residual_contact"] = {residuals.contact_and_bodies, "J"};
+  }
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};

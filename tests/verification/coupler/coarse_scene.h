@@ -1,0 +1,31 @@
+#pragma once
+/// The turf of inputs/clegg_small.toml, coarsened further so that a drop takes seconds.
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "core/scene_reader.h"
+#include "rigs/run.h"
+
+namespace tuft::rigs {
+
+inline Scene coarse_scene(const Overrides& more = {}) {
+  Overrides overrides{{"turf.size", "[\"64 mm\", \"64 mm\"]"}, {"infill.sph.pitch", "5.5 mm"},
+                      {"turf.carpet.strands_per_tuft", "3"},   {"turf.carpet.strand_width", "7.8 mm"},
+                      {"turf.carpet.element_length", "8 mm"},  {"turf.carpet.backing_element", "9 mm"},
+                      {"scene.duration", "20 ms"},             {"output.frames", "2 ms"}};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return read_scene("inputs/clegg_small.toml", overrides);
+}
+
+/// A folder of its own under the temporary folder, emptied.
+inline std::filesystem::path fresh_folder(const std::string& name) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+}  // namespace tuft::rigs

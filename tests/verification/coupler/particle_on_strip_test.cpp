@@ -1,0 +1,188 @@
+// A few masses and one shell strip, free in space or held: contact by itself.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/parallel.h"
+#include "coupler/simulation.h"
+#include "point_infill.h"
+
+namespace tuft::coupler {
+namespace {
+
+/// A strip of n elements along x, mid-surface z = 0, free in space.
+fe::ShellMesh strip(int n, double length, double width, double thickness, bool clamp_ends) {
+  fe::ShellMesh mesh;
+  for (int i = 0; i <= n; ++i)
+    for (int side = 0; side < 2; ++side) {
+      mesh.nodes.push_back(Vec3(length * (static_cast<double>(i) / n - 0.5), (side - 0.5) * width, 0));
+      mesh.clamped.push_back(clamp_ends && (i == 0 || i == n) ? 1 : 0);
+    }
+  for (Index i = 0; i < n; ++i) {
+    mesh.quads.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+    mesh.thickness.push_back(thickness);
+    mesh.material.push_back(0);
+    mesh.surface.push_back(1);
+  }
+  mesh.surface_count = 2;
+  return mesh;
+}
+
+struct StripCase {
+  bool clamp = false;
+  double damping_ratio = 0;
+  FrictionLaw friction{0.4, 0.6, 300};
+  double window = 0;
+  double coupling_particle_stiffness = 1e5;
+  double release_time = 0.002;
+  bool release = true;
+  Vec3 gravity{0, 0, 0};
+};
+
+Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
+  SimulationParts parts;
+  fe::CarpetOptions options;
+  options.gravity = setup.gravity;
+  infill->gravity = setup.gravity;
+  parts.carpet = std::make_unique<fe::Carpet>(strip(10, 0.04, 0.004, 5e-4, setup.clamp),
+                                              std::vector<ShellMaterial>{{0.36e9, 0.3, 920}}, options);
+  const std::size_t n = infill->mass_.size(), nodes = parts.carpet->nodes().x.size();
+  parts.particle_shell.stiffness.assign(n, setup.coupling_particle_stiffness);
+  parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
+  parts.particle_shell.friction.assign(n, setup.friction);
+  parts.particle_body = {parts.particle_shell.stiffness, parts.particle_shell.damping_ratio, parts.particle_shell.friction};
+  parts.node_body.stiffness.assign(nodes, 1e4);
+  parts.node_body.damping_ratio.assign(nodes, 0);
+  parts.node_body.friction.assign(nodes, {});
+  parts.node_radius.assign(nodes, 2.5e-4);
+  parts.infill = std::move(infill);
+  parts.gravity = setup.gravity;
+  parts.numerics.coupling_window = setup.window;
+  parts.numerics.contact_release_time = setup.release_time;
+  parts.numerics.energy_error_limit = 1e9;
+  parts.skin = 5e-4;
+  parts.release_overlap = setup.release;
+  return Simulation(std::move(parts));
+}
+
+Vec3 momentum(const Simulation& s) {
+  Vec3 sum(0, 0, 0);
+  const fe::NodeView n = s.carpet().nodes();
+  for (std::size_t i = 0; i < n.x.size(); ++i) sum += n.mass[i] * Vec3(n.vx[i], n.vy[i], n.vz[i]);
+  const ParticleView p = s.infill().particles();
+  for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.velocity(i);
+  return sum;
+}
+
+std::unique_ptr<PointInfill> three_balls(double speed) {
+  auto infill = std::make_unique<PointInfill>();
+  infill->add(Vec3(0.003, 0.0005, 0.0025), Vec3(0.4, 0.1, -speed), 0.002, 2e-5);
+  infill->add(Vec3(-0.012, -0.0004, 0.003), Vec3(-0.2, 0.3, -0.7 * speed), 0.002, 4e-5);
+  infill->add(Vec3(0.014, 0.0001, -0.0025), Vec3(0.1, 0, 0.9 * speed), 0.002, 1e-5);
+  return infill;
+}
+
+class FreeStrip : public ::testing::TestWithParam<double> {};
+
+TEST_P(FreeStrip, KeepsTheMomentumOfTheWholeWhateverTheSubcycling) {
+  StripCase setup;
+  setup.window = GetParam();
+  setup.damping_ratio = 0.1;
+  Simulation s = make(setup, three_balls(2));
+  const Vec3 before = momentum(s);
+  for (int i = 0; i < 100; ++i) s.advance_interval(4e-5);
+  const ContactEnergy& contact = s.particle_shell().energy();
+  ASSERT_GT(contact.damped + contact.friction, 0) << "the balls did touch";
+  EXPECT_LT((momentum(s) - before).norm(), 1e-13 * before.norm());
+  EXPECT_LT(s.momentum_error(), 1e-12);
+  EXPECT_EQ(s.step_plan().carpet_substeps > 1, GetParam() > 8e-6);
+}
+INSTANTIATE_TEST_SUITE_P(Windows, FreeStrip, ::testing::Values(1e-6, 4e-6, 1e-5));
+
+TEST(BallsOnAStrip, EnergyIsBalancedWithFrictionAndDamping) {
+  StripCase setup;
+  setup.clamp = true;
+  setup.damping_ratio = 0.1;
+  setup.gravity = Vec3(0, 0, -9.81);
+  setup.window = 1e-6;  // omega dt = 0.1 for the lightest ball on the stiffest spring
+  Simulation s = make(setup, three_balls(2));
+  for (int i = 0; i < 200; ++i) s.advance_interval(4e-5);
+  const EnergyTerms& e = s.ledger().last();
+  EXPECT_GT(e.contact_friction, 0);
+  EXPECT_GT(e.contact_damping, 0);
+  EXPECT_LT(s.ledger().largest_error(), 0.01);
+}
+
+TEST(BallsOnAStrip, EnergyErrorFallsWithTheStep) {
+  double error[2];
+  int k = 0;
+  for (const double window : {2e-6, 0.5e-6}) {
+    StripCase setup;
+    setup.clamp = true;
+    setup.damping_ratio = 0.1;
+    setup.window = window;
+    Simulation s = make(setup, three_balls(2));
+    for (int i = 0; i < 100; ++i) s.advance_interval(4e-5);
+    error[k++] = s.ledger().largest_error();
+  }
+  EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+TEST(InitialOverlap, IsLetGoGentlyAndCounted) {
+  double speed[2];
+  for (const bool gradual : {false, true}) {
+    auto ball = std::make_unique<PointInfill>();
+    ball->add(Vec3(0, 0, 0.001), Vec3(0, 0, 0), 0.002, 2e-5);  // overlaps by more than half its radius
+    StripCase setup;
+    setup.clamp = true;
+    setup.release = gradual;
+    setup.window = 1e-6;
+    Simulation s = make(setup, std::move(ball));
+    double fastest = 0;
+    for (int i = 0; i < 100; ++i) {
+      s.advance_interval(4e-5);
+      fastest = std::max(fastest, s.infill().particles().velocity(0).norm());
+    }
+    speed[gradual ? 1 : 0] = fastest;
+    if (gradual) {
+      EXPECT_EQ(s.particle_shell().initial_overlap().pairs, 1u);
+      EXPECT_NEAR(s.particle_shell().initial_overlap().largest, 0.002 + 2.5e-4 - 0.001, 1e-12);
+      EXPECT_GT(s.particle_shell().energy().released, 0);
+      EXPECT_LT(s.ledger().largest_error(), 0.05) << "what the release puts in is booked as work";
+    }
+  }
+  EXPECT_LT(speed[1], 0.2 * speed[0]);
+}
+
+TEST(ThinStrand, OverrunParticleIsPushedBackToTheSideItCameFrom) {
+  // Contact is so soft that the particle's centre passes the mid-surface before it is stopped.
+  auto ball = std::make_unique<PointInfill>();
+  ball->add(Vec3(0.0021, 0, 0.0023), Vec3(0, 0, -3), 0.002, 2e-5);
+  StripCase setup;
+  setup.clamp = true;
+  setup.coupling_particle_stiffness = 10;
+  Simulation s = make(setup, std::move(ball));
+  double lowest = 1;
+  for (int i = 0; i < 400; ++i) {
+    s.advance_interval(4e-5);
+    const fe::NodeView n = s.carpet().nodes();
+    lowest = std::min(lowest, s.infill().particles().z[0] - n.z[10]);
+  }
+  ASSERT_LT(lowest, 0) << "the test needs the centre to pass the shell";
+  EXPECT_GT(s.infill().particles().vz[0], 0);
+}
+
+TEST(Contact, GivesTheSameBitsForAnyThreadCount) {
+  double z[2][3];
+  for (const int threads : {1, 2}) {
+    set_threads(threads);
+    Simulation s = make({}, three_balls(2));
+    for (int i = 0; i < 60; ++i) s.advance_interval(4e-5);
+    for (std::size_t i = 0; i < 3; ++i) z[threads - 1][i] = s.infill().particles().z[i];
+  }
+  set_threads(2);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(z[0][i], z[1][i]);
+}
+
+}  // namespace
+}  // namespace tuft::coupler

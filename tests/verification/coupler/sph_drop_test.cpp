@@ -1,0 +1,82 @@
+// Whole drops on SPH infill, coarse enough to run as tests.
+#include <gtest/gtest.h>
+
+#include "coarse_scene.h"
+#include "core/hdf5_file.h"
+
+namespace tuft::rigs {
+namespace {
+
+RunSummary drop(const std::string& name, const Overrides& overrides, int stop_after = 0) {
+  RunRequest request;
+  request.scene = coarse_scene(overrides);
+  request.folder = fresh_folder(name);
+  request.stop_after_checkpoints = stop_after;
+  RunSummary summary = run(request);
+  EXPECT_EQ(summary.error, "");
+  return summary;
+}
+
+std::filesystem::path folder_of(const std::string& name) {
+  return std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
+}
+
+std::vector<double> history(const std::string& name, const char* column) {
+  return h5::File::open(folder_of(name) / "run.h5").root().open_group("history").read_doubles(column);
+}
+
+TEST(SphDrop, IsAPulseWithEnergyAndMomentumInBalance) {
+  const RunSummary s = drop("pulse", {});
+  ASSERT_EQ(s.status, "completed");
+  EXPECT_LT(s.energy_error, 0.02);
+  EXPECT_LT(s.momentum_error, 1e-9);
+  EXPECT_GT(s.results.at("peak_g").value, 10);
+  EXPECT_GT(s.results.at("rebound_velocity").value, 0);
+  EXPECT_LT(s.results.at("rebound_velocity").value, s.results.at("impact_velocity").value);
+  EXPECT_EQ(s.results.at("separated").value, 1);
+  // The pulse's momentum is the missile's: integral of a dt = change of velocity, plus gravity.
+  const auto a = history("pulse", "acceleration"), v = history("pulse", "velocity"), t = history("pulse", "time");
+  std::size_t first = 0;
+  while (t[first] <= 1e-9) ++first;
+  double sum = 0;
+  for (std::size_t i = first + 1; i < a.size(); ++i) sum += (a[i] - 9.81) * (t[i] - t[i - 1]);
+  EXPECT_NEAR(sum, v.back() - v[first], 1e-6);
+}
+
+TEST(SphDrop, HalvingTheStepChangesThePeakByUnderOnePercent) {
+  const RunSummary whole = drop("step-whole", {{"scene.duration", "14 ms"}});
+  const RunSummary half = drop("step-half", {{"scene.duration", "14 ms"}, {"numerics.step_safety", "0.4"}});
+  EXPECT_GT(half.steps, 1.8 * static_cast<double>(whole.steps));
+  const double peak = whole.results.at("peak_g").value;
+  EXPECT_NEAR(half.results.at("peak_g").value, peak, 0.01 * peak);
+}
+
+TEST(SphDrop, GivesTheSameBitsWithOneAndTwoThreads) {
+  drop("one", {{"scene.duration", "9 ms"}, {"numerics.threads", "1"}});
+  drop("two", {{"scene.duration", "9 ms"}, {"numerics.threads", "2"}});
+  EXPECT_EQ(history("one", "velocity"), history("two", "velocity"));
+  EXPECT_EQ(history("one", "acceleration"), history("two", "acceleration"));
+}
+
+TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
+  const Overrides often{{"scene.duration", "9 ms"}, {"output.checkpoint_every", "8 ms"}};
+  drop("through", often);
+  const RunSummary stopped = drop("resumed", often, 2);
+  ASSERT_EQ(stopped.status, "stopped");
+  ASSERT_LT(stopped.simulated_time, 0.008);
+  RunRequest request;
+  request.scene = coarse_scene(often);
+  request.folder = folder_of("resumed");
+  request.resume = true;
+  const RunSummary resumed = run(request);
+  ASSERT_EQ(resumed.status, "completed") << resumed.error;
+  for (const char* column : {"time", "velocity", "acceleration", "acceleration_filtered", "penetration"})
+    EXPECT_EQ(history("through", column), history("resumed", column)) << column;
+  const auto error = [](const std::string& name) {
+    return h5::File::open(folder_of(name) / "run.h5").root().open_group("energy").read_doubles("error");
+  };
+  EXPECT_EQ(error("through"), error("resumed"));
+}
+
+}  // namespace
+}  // namespace tuft::rigs
