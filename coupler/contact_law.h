@@ -33,6 +33,7 @@ struct ContactHistory {
 struct ContactKinematics {
   double overlap = 0;  ///< m, > 0, after the offset is taken off
   Vec3 normal{0, 0, 1};
+  double gradient = 1;  ///< (0, 1], of the overlap's gradient: under 1 where facets share a contact
   Vec3 velocity{0, 0, 0};     ///< m/s, particle relative to the other, at the contact point
   double effective_mass = 0;  ///< kg, 1 / (1/m1 + 1/m2)
 };
@@ -89,7 +90,7 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
   ContactForce result;
   const double closing = -c.velocity.dot(c.normal);
   const double dashpot = 2.0 * p.damping_ratio * std::sqrt(p.stiffness * c.effective_mass);
-  const double spring_force = p.stiffness * c.overlap;
+  const double spring_force = p.stiffness * c.overlap * c.gradient;
   const double normal_force = std::max(0.0, spring_force + dashpot * closing);
   const double beyond_spring = normal_force - spring_force;
   result.damped = 0.5 * (history.dashpot + beyond_spring) * closing * dt;

@@ -145,6 +145,40 @@ bool ParticleShellContact::on_rim(Index element, const std::array<double, 4>& we
   return false;  // on the diagonal between the two triangles of the facet
 }
 
+std::size_t ParticleShellContact::find_parts(std::size_t pair, const Vec3& centre, double radius,
+                                             const fe::NodeView& nodes, Parts& parts,
+                                             double& soft_distance) const {
+  std::size_t count = 0;
+  for (std::size_t s = first_element_[pair]; s < first_element_[pair + 1]; ++s) {
+    Part candidate;
+    candidate.element = elements_[s];
+    candidate.at = closest_point_on_facet(centre, corners(nodes, mesh_.quads[candidate.element]));
+    candidate.nearness = std::sqrt(candidate.at.distance_squared);
+    std::size_t place = count;
+    while (place > 0 && candidate.nearness < parts[place - 1].nearness) --place;
+    if (place == most_parts) continue;
+    count = std::min(count + 1, most_parts);
+    for (std::size_t i = count - 1; i > place; --i) parts[i] = parts[i - 1];
+    parts[place] = candidate;
+  }
+  const double touching = radius + 0.5 * mesh_.thickness[parts[0].element];
+  const double width = 0.05 * touching;
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    parts[i].share = std::exp((parts[0].nearness - parts[i].nearness) / width);
+    sum += parts[i].share;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    parts[i].share /= sum;
+    // A particle whose centre lies on a facet has no direction from it: the facet's own normal serves.
+    parts[i].normal = parts[i].nearness > 1e-9 * touching
+                          ? Vec3((centre - parts[i].at.point) / parts[i].nearness)
+                          : facet_normal(corners(nodes, mesh_.quads[parts[i].element]));
+  }
+  soft_distance = parts[0].nearness - width * std::log(sum);
+  return count;
+}
+
 ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pair,
                                                                  const ParticleView& particles, double ahead,
                                                                  const fe::NodeView& nodes, double dt,
@@ -153,23 +187,17 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   ContactHistory& history = histories_[pair];
   const Index p = key_point(keys_[pair]);
   const Vec3 centre = particles.position(p) + ahead * particles.velocity(p);
-
-  const std::size_t first = first_element_[pair];
-  Index element = elements_[first];
-  FacetPoint nearest = closest_point_on_facet(centre, corners(nodes, mesh_.quads[element]));
-  for (std::size_t s = first + 1; s < first_element_[pair + 1]; ++s) {
-    const FacetPoint candidate = closest_point_on_facet(centre, corners(nodes, mesh_.quads[elements_[s]]));
-    if (candidate.distance_squared < nearest.distance_squared) {
-      nearest = candidate;
-      element = elements_[s];
-    }
-  }
   const double radius = particles.radius[p] * settings_.radius_factor;
-  const double touching = radius + 0.5 * mesh_.thickness[element];
-  const double cover = std::min(1.0, 4 * particles.radius[p] * particles.radius[p] / element_area_[element]);
-  const ContactParameters parameters{std::min(settings_.stiffness[p], cover * element_stiffness_[element]),
-                                     settings_.damping_ratio[p], 0.5, settings_.friction[p]};
-  if (nearest.distance_squared >= touching * touching) {
+  double distance = 0;
+  std::size_t count = find_parts(pair, centre, radius, nodes, result.parts, distance);
+  const Part& nearest = result.parts[0];
+  const double touching = radius + 0.5 * mesh_.thickness[nearest.element];
+  const double cover =
+      std::min(1.0, 4 * particles.radius[p] * particles.radius[p] / element_area_[nearest.element]);
+  const ContactParameters parameters{
+      std::min(settings_.stiffness[p], cover * element_stiffness_[nearest.element]),
+      settings_.damping_ratio[p], 0.5, settings_.friction[p]};
+  if (distance >= touching) {
     result.contact.friction = release_spring(parameters, history);
     history.side = 0;
     history.offset = 0;
@@ -180,32 +208,39 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   // side. Round the rim of a strand a particle is free to change sides. So is one that leaves a fold of the
   // strand for another: the nearest point jumps then, while the distance of a particle that passes through
   // the sheet goes through zero.
-  const Vec3 facet = facet_normal(corners(nodes, mesh_.quads[element]));
-  const Vec3 apart = centre - nearest.point;
-  const double nearness = std::sqrt(nearest.distance_squared);
-  const double present_side = apart.dot(facet) >= 0 ? 1 : -1;
-  const bool fresh = history.side == 0;
+  const Vec3 facet = facet_normal(corners(nodes, mesh_.quads[nearest.element]));
+  const double present_side = nearest.normal.dot(facet) >= 0 ? 1 : -1;
   const bool passed = present_side != history.side && history.distance < 0.25 * touching;
-  if (fresh || on_rim(element, nearest.weight) || !passed) history.side = present_side;
-  const double distance = present_side == history.side ? nearness : -nearness;
-  history.distance = distance;
+  if (history.side == 0 || on_rim(nearest.element, nearest.at.weight) || !passed) history.side = present_side;
   ContactKinematics kinematics;
-  kinematics.normal = nearness > 1e-9 * touching ? Vec3(apart / distance) : Vec3(history.side * facet);
-  const double overlap = touching - distance;
-  const double kept = history.offset * release;
-  kinematics.overlap = overlap - kept;
-  if (kinematics.overlap <= 0) {
+  if (present_side != history.side) {
+    count = 1;
+    result.parts[0].share = 1;
+    result.parts[0].normal = -result.parts[0].normal;
+    distance = -nearest.nearness;
+  }
+  history.distance = distance;
+  Vec3 gradient(0, 0, 0);
+  for (std::size_t i = 0; i < count; ++i) gradient += result.parts[i].share * result.parts[i].normal;
+  const double steepness = gradient.norm();
+  kinematics.overlap = touching - distance - history.offset * release;
+  if (!(kinematics.overlap > 0) || !(steepness > 1e-6)) {
     result.contact.friction = release_spring(parameters, history);
     return result;
   }
+  kinematics.gradient = steepness;
+  kinematics.normal = gradient / steepness;
 
-  const auto& quad = mesh_.quads[element];
   Vec3 shell_velocity(0, 0, 0);
   double inverse_shell_mass = 0;
-  for (int c = 0; c < 4; ++c) {
-    const double w = nearest.weight[c];
-    shell_velocity += w * Vec3(nodes.vx[quad[c]], nodes.vy[quad[c]], nodes.vz[quad[c]]);
-    inverse_shell_mass += w * w / node_mass_[quad[c]];
+  for (std::size_t i = 0; i < count; ++i) {
+    const Part& part = result.parts[i];
+    const auto& quad = mesh_.quads[part.element];
+    for (int c = 0; c < 4; ++c) {
+      const double w = part.at.weight[c];
+      shell_velocity += part.share * w * Vec3(nodes.vx[quad[c]], nodes.vy[quad[c]], nodes.vz[quad[c]]);
+      inverse_shell_mass += part.share * w * w / node_mass_[quad[c]];
+    }
   }
   result.arm = -radius * kinematics.normal;
   kinematics.velocity = particles.velocity(p) + particles.spin(p).cross(result.arm) - shell_velocity;
@@ -214,8 +249,9 @@ ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pai
   result.released =
       release_work(parameters.stiffness, kinematics.overlap, history.offset * (release_before - release));
   result.softening = settings_.stiffness[p] / parameters.stiffness;
-  result.weight = nearest.weight;
-  result.element = element;
+  result.normal = kinematics.normal;
+  result.gradient = steepness;
+  result.part_count = count;
   return result;
 }
 
@@ -235,7 +271,7 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
   for (std::size_t g = 0; g < pairs; ++g) {
     const Result& r = results_[g];
     energy_.friction += r.contact.friction;
-    if (r.element < 0) continue;
+    if (r.part_count == 0) continue;
     ++touching_;
     softening += r.softening;
     energy_.elastic += r.contact.elastic;
@@ -246,8 +282,15 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
     impulses.linear.add(p, impulse);
     impulses.angular.add(p, r.arm.cross(impulse));
     given += impulse;
-    const auto& quad = mesh_.quads[r.element];
-    for (int c = 0; c < 4; ++c) node_force.add(quad[c], -r.weight[c] * r.contact.force);
+    // Each facet takes its own normal's part of the push, which is what the soft minimum's energy asks for.
+    const double push = r.contact.force.dot(r.normal);
+    const Vec3 along = r.contact.force - push * r.normal;
+    for (std::size_t i = 0; i < r.part_count; ++i) {
+      const Part& part = r.parts[i];
+      const Vec3 force = part.share * (push / r.gradient * part.normal + along);
+      const auto& quad = mesh_.quads[part.element];
+      for (int c = 0; c < 4; ++c) node_force.add(quad[c], -part.at.weight[c] * force);
+    }
   }
   impulse_given_ += given;
   softening_ = touching_ > 0 ? softening / static_cast<double>(touching_) : 1.0;

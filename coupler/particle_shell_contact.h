@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry.h"
 #include "core/infill.h"
 #include "coupler/contact_pairs.h"
 #include "fe_carpet/carpet.h"
@@ -54,14 +55,30 @@ class ParticleShellContact {
   void load(const h5::Group& group);
 
  private:
+  /// A facet's part in a contact.
+  struct Part {
+    FacetPoint at;
+    Vec3 normal{0, 0, 1};  ///< towards the particle
+    double nearness = 0;   ///< m
+    double share = 0;      ///< of the contact, sum 1
+    Index element = -1;
+  };
+  static constexpr std::size_t most_parts = 4;
+  using Parts = std::array<Part, most_parts>;
   struct Result {
     ContactForce contact;
     Vec3 arm{0, 0, 0};
+    Vec3 normal{0, 0, 1};
+    double gradient = 1;
     double released = 0;
     double softening = 1;
-    std::array<double, 4> weight{};
-    Index element = -1;  ///< -1: apart
+    Parts parts{};
+    std::size_t part_count = 0;  ///< 0: apart
   };
+  /// The nearest facets of a pair, nearest first, with shares; returns how many, and the soft minimum of
+  /// their distances.
+  std::size_t find_parts(std::size_t pair, const Vec3& centre, double radius, const fe::NodeView& nodes,
+                         Parts& parts, double& soft_distance) const;
   Result evaluate_pair(std::size_t pair, const ParticleView& particles, double ahead,
                        const fe::NodeView& nodes, double dt, double release, double release_before);
 

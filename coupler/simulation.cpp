@@ -107,7 +107,7 @@ void Simulation::advance_window() {
 
   const Vec3 carpet_before = carpet_impulse(*parts_.carpet);
   step_carpet();
-  const ParticleView particles = parts_.infill->particles();
+  const ParticleView particles = contact_view();
   {
     const ScopedPhase phase(timers_, Phase::contact);
     particle_body_.evaluate(particles, parts_.bodies, 0, plan_.window, release_at(time_),
@@ -125,7 +125,7 @@ void Simulation::advance_window() {
   AdvanceReport report;
   {
     const ScopedPhase phase(timers_, Phase::infill);
-    report = parts_.infill->advance(plan_.window, plan_.infill_substeps, impulses_);
+    report = advance_infill();
   }
   Vec3 bodies(0, 0, 0);
   double bodies_scale = 0;
@@ -150,6 +150,58 @@ void Simulation::advance_window() {
   ++windows_;
 }
 
+ParticleView Simulation::contact_view() const {
+  ParticleView view = parts_.infill->particles();
+  if (!windowed_) return view;
+  view.vx = window_velocity_.x;
+  view.vy = window_velocity_.y;
+  view.vz = window_velocity_.z;
+  if (!view.wx.empty()) {
+    view.wx = window_spin_.x;
+    view.wy = window_spin_.y;
+    view.wz = window_spin_.z;
+  }
+  return view;
+}
+
+AdvanceReport Simulation::advance_infill() {
+  const int substeps = plan_.infill_substeps;
+  if (substeps == 1) {
+    windowed_ = false;
+    return parts_.infill->advance(plan_.window, 1, impulses_);
+  }
+  const ParticleView before = parts_.infill->particles();
+  const std::size_t count = before.size();
+  const auto copy = [](std::span<const double> from, std::vector<double>& to) {
+    to.assign(from.begin(), from.end());
+  };
+  copy(before.x, window_velocity_.x);
+  copy(before.y, window_velocity_.y);
+  copy(before.z, window_velocity_.z);
+  copy(before.wx, window_spin_.x);
+  copy(before.wy, window_spin_.y);
+  copy(before.wz, window_spin_.z);
+  const AdvanceReport report = parts_.infill->advance(plan_.window, substeps, impulses_);
+  const ParticleView after = parts_.infill->particles();
+  const auto mean = [&](std::vector<double>& old, std::span<const double> now) {
+    for (std::size_t i = 0; i < count; ++i) old[i] = (now[i] - old[i]) / plan_.window;
+  };
+  mean(window_velocity_.x, after.x);
+  mean(window_velocity_.y, after.y);
+  mean(window_velocity_.z, after.z);
+  // Spins have no displacement to measure. Under an even torque they rise by equal amounts: the mean of the n
+  // values in the window is the old one plus (n + 1)/2n of the rise.
+  const double share = (substeps + 1.0) / (2.0 * substeps);
+  const auto part = [&](std::vector<double>& old, std::span<const double> now) {
+    for (std::size_t i = 0; i < now.size(); ++i) old[i] += share * (now[i] - old[i]);
+  };
+  part(window_spin_.x, after.wx);
+  part(window_spin_.y, after.wy);
+  part(window_spin_.z, after.wz);
+  windowed_ = true;
+  return report;
+}
+
 void Simulation::step_carpet() {
   const int substeps = carpet_frozen_ ? 1 : plan_.carpet_substeps;
   const double dt = plan_.window / substeps;
@@ -160,8 +212,8 @@ void Simulation::step_carpet() {
       const ScopedPhase phase(timers_, Phase::contact);
       const fe::NodeView nodes = parts_.carpet->nodes();
       const double release = release_at(now), release_before = release_at(now - dt);
-      particle_shell_.evaluate(parts_.infill->particles(), ahead, nodes, dt, release, release_before,
-                               node_force_, impulses_);
+      particle_shell_.evaluate(contact_view(), ahead, nodes, dt, release, release_before, node_force_,
+                               impulses_);
       if (!carpet_frozen_)
         node_body_.evaluate(node_points(nodes), parts_.bodies, ahead, dt, release, release_before, 1.0,
                             node_force_, nullptr, body_impulses_);

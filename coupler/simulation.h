@@ -89,6 +89,10 @@ class Simulation {
   void check_candidates();
   void search(const ParticleView& particles, const fe::NodeView& nodes);
   void remember_reference();
+  /// The infill as contact sees it: with velocities that are the displacement of the last window over its
+  /// length.
+  [[nodiscard]] ParticleView contact_view() const;
+  AdvanceReport advance_infill();
   [[nodiscard]] double moved_since_search() const;
   void check_momentum(const AdvanceReport& infill, const Vec3& carpet, const Vec3& bodies,
                       double bodies_scale);
@@ -106,6 +110,11 @@ class Simulation {
   StepPlan plan_;
 
   Vec3Array node_force_;
+  /// Leapfrog velocities of the window, half a window before t, kept where the infill takes several steps in
+  /// one: its own velocity belongs to the last of them. Work booked with that one would be that of another
+  /// displacement.
+  Vec3Array window_velocity_, window_spin_;
+  bool windowed_ = false;
   ContactImpulses impulses_;
   BodyImpulses body_impulses_;
   std::vector<Vec3> interval_impulse_;

@@ -22,6 +22,16 @@ std::pair<std::size_t, double> fastest(std::span<const double> vx, std::span<con
   return {result.first, std::sqrt(result.second)};
 }
 
+void write_components(h5::Group& group, const std::string& name, const Vec3Array& values) {
+  group.write(name + "_x", std::span<const double>(values.x));
+  group.write(name + "_y", std::span<const double>(values.y));
+  group.write(name + "_z", std::span<const double>(values.z));
+}
+
+Vec3Array read_components(const h5::Group& group, const std::string& name) {
+  return {group.read_doubles(name + "_x"), group.read_doubles(name + "_y"), group.read_doubles(name + "_z")};
+}
+
 double highest(const ParticleView& points, double x, double y, double reach, bool with_radius) {
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -77,14 +87,15 @@ void Simulation::save(h5::Group& group) {
   group.write("bodies", std::span<const double>(bodies));
   if (reference_.valid) {
     auto reference = group.create_group("reference");
-    const auto write = [&](const std::string& name, const Vec3Array& a) {
-      reference.write(name + "_x", std::span<const double>(a.x));
-      reference.write(name + "_y", std::span<const double>(a.y));
-      reference.write(name + "_z", std::span<const double>(a.z));
-    };
-    write("particles", reference_.particles);
-    write("nodes", reference_.nodes);
-    write("bodies", reference_.bodies);
+    write_components(reference, "particles", reference_.particles);
+    write_components(reference, "nodes", reference_.nodes);
+    write_components(reference, "bodies", reference_.bodies);
+  }
+  group.write_scalar("windowed", static_cast<std::uint64_t>(windowed_ ? 1 : 0));
+  if (windowed_) {
+    auto window = group.create_group("window");
+    write_components(window, "velocity", window_velocity_);
+    write_components(window, "spin", window_spin_);
   }
   auto carpet = group.create_group("carpet");
   parts_.carpet->save(carpet);
@@ -132,13 +143,15 @@ void Simulation::load(const h5::Group& group) {
   particle_body_.load(group.open_group("particle_body"));
   node_body_.load(group.open_group("node_body"));
   ledger_.load(group.open_group("ledger"));
+  windowed_ = group.read_count("windowed") != 0;
+  if (windowed_) {
+    window_velocity_ = read_components(group.open_group("window"), "velocity");
+    window_spin_ = read_components(group.open_group("window"), "spin");
+  }
   if (group.read_count("reference_valid") == 0) return;
   const auto reference = group.open_group("reference");
-  const auto read = [&](const std::string& name) {
-    return Vec3Array{reference.read_doubles(name + "_x"), reference.read_doubles(name + "_y"),
-                     reference.read_doubles(name + "_z")};
-  };
-  reference_ = {read("particles"), read("nodes"), read("bodies"), numbers.at(8), true};
+  reference_ = {read_components(reference, "particles"), read_components(reference, "nodes"),
+                read_components(reference, "bodies"), numbers.at(8), true};
   // The candidate lists are made again from where everything stood when they were made first, so that
   // contacts are evaluated and summed in the same order as if the run had never stopped.
   ParticleView particles = parts_.infill->particles();
