@@ -6,6 +6,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=$root/build/release
 jobs=$(nproc)
+programs=(tuft_app liggghts_host)  # targets of what a user runs
 
 # Everything a bare Debian 12 lacks to build, test and run. One place: README and CI rely on this list.
 packages=(
@@ -61,12 +62,13 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}" </dev/null
 }
 
+# build [TARGET...]: all, or what a verb needs; tests take longer to compile than the rest.
 build() {
   install_packages
   # Presets are looked up in the working directory.
   cd "$root"
   [[ -f $build/build.ninja ]] || cmake --preset release
-  cmake --build --preset release --parallel "$jobs"
+  cmake --build --preset release --parallel "$jobs" ${1:+--target "$@"}
 }
 
 run_tests() {
@@ -100,7 +102,7 @@ bench() {
     shift 2
   fi
   (($# == 0)) || fail "bench takes --json FILE only, not: $*"
-  build
+  build "${programs[@]}" bench/all
   "$build/bin/bench_driver" --programs "$build/bin" --tuft "$build/bin/tuft" \
     --scene "$root/inputs/clegg_small.toml" ${json:+--json "$json"}
 }
@@ -113,10 +115,10 @@ case $verb in
   validate) shift; build; run_tests --label-regex '^validation$' --no-tests=error "$@" ;;
   hard) shift; build; run_tests --label-regex '^hard_cases$' --no-tests=error "$@" ;;
   bench) shift; bench "$@" ;;
-  demo) build; demo ;;
+  demo) build "${programs[@]}"; demo ;;
   *)
     # Relative paths among the arguments are the caller's, so the program starts where the caller is.
-    [[ -x $build/bin/tuft ]] || (build >&2)
+    [[ -x $build/bin/tuft && -x $build/bin/liggghts_host ]] || (build "${programs[@]}" >&2)
     exec "$build/bin/tuft" "$@"
     ;;
 esac
