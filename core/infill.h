@@ -41,7 +41,7 @@ struct ContactImpulses {
 };
 
 /// Energies of the infill, J, all as of one moment: the last force evaluation, with the kinetic energy centred
-/// there (mean of the values half a step before and after). Stored terms are current values, the others have
+/// there, as the mean of the values half a step before and after or as m v- . v+ / 2. Stored terms are current values, the others have
 /// been summed up since the start of the run.
 struct InfillEnergy {
   double kinetic = 0;           ///< translation and spin

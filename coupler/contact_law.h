@@ -33,9 +33,9 @@ struct ContactHistory {
 struct ContactKinematics {
   double overlap = 0;  ///< m, > 0, after the offset is taken off
   Vec3 normal{0, 0, 1};
-  double gradient = 1;  ///< (0, 1], of the overlap's gradient: under 1 where facets share a contact
   Vec3 velocity{0, 0, 0};     ///< m/s, particle relative to the other, at the contact point
   double effective_mass = 0;  ///< kg, 1 / (1/m1 + 1/m2)
+  double gradient = 1;        ///< (0, 1], of the overlap's gradient: under 1 where facets share a contact
 };
 
 /// Energies are of this contact alone: `elastic` is a state, the others happened over the step.

@@ -22,8 +22,7 @@ StepPlan plan_steps(const StableSteps& stable, double safety, double requested_w
                     stable.infill, stable.contact);
   const double carpet = safety * stable.carpet;
   const double infill = safety / std::hypot(1 / stable.infill, 1 / stable.contact);
-  double window = std::max(infill, carpet);
-  if (requested_window > 0) window = requested_window;
+  double window = requested_window > 0 ? requested_window : infill;
   window = std::min(window, std::max(infill, safety * stable.contact / std::sqrt(2.0)));
   StepPlan plan;
   plan.windows = parts(interval, window);

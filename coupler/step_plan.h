@@ -23,10 +23,10 @@ struct StepPlan {
 /// Each part takes the largest step it can bear:
 /// - the infill's step feels its own stiffness and that of contact in parallel: 1/dt^2 = 1/dt_infill^2 +
 /// 1/dt_contact^2;
-/// - the window is the larger of the infill's and the carpet's step, but contact impulses are spread over it,
-/// so it stays
-///   under dt_contact/sqrt(2);
-/// - the scene may ask for a smaller window (requested_window > 0); a larger one is cut to the same bound.
+/// - the window is the infill's own step, and the carpet takes as many steps in it as it needs. A window of several infill
+///   steps is cheaper but holds a contact's force while the infill moves on, which costs energy error in proportion to the
+///   window (docs/theory/ledger.md); a scene may ask for it (requested_window > 0);
+/// - a requested window is cut to dt_contact/sqrt(2), where spread impulses stay stable.
 [[nodiscard]] StepPlan plan_steps(const StableSteps& stable, double safety, double requested_window,
                                   double interval);
 

@@ -56,7 +56,7 @@ TEST(ContactLaw, ForceNeverPulls) {
   const ContactForce f = compute_contact_force(p, {1e-6, Vec3(0, 0, 1), Vec3(0, 0, 50), 1e-3}, 1e-6, history);
   EXPECT_EQ(f.force.z(), 0);
   // What the dashpot takes from the spring is dissipated, not lost.
-  EXPECT_NEAR(f.damped, 0.5 * 1e4 * 1e-6 * 50 * 1e-6, 1e-18) << "half: the force rose from zero over the step"
+  EXPECT_NEAR(f.damped, 0.5 * 1e4 * 1e-6 * 50 * 1e-6, 1e-18) << "half: the force rose from zero over the step";
 }
 
 TEST(ContactLaw, SlidingForceIsCoulombsWithTheCoefficientOfThatSpeed) {

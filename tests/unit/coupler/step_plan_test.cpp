@@ -29,13 +29,16 @@ TEST(StepPlan, NoPartStepsOverItsShareOfTheStableStep) {
         }
 }
 
-TEST(StepPlan, AWindowHoldsOneStepOfTheSlowerPart) {
+TEST(StepPlan, TheWindowIsTheInfillsOwnStepUnlessTheSceneAsksForAnother) {
   const StepPlan soft_infill = plan_steps({3e-6, 1e-5, 1e-3}, 1.0, 0, 2e-5);
   EXPECT_EQ(soft_infill.infill_substeps, 1);
   EXPECT_GT(soft_infill.carpet_substeps, 2);
   const StepPlan stiff_infill = plan_steps({3e-6, 1e-6, 1e-3}, 1.0, 0, 2e-5);
   EXPECT_EQ(stiff_infill.carpet_substeps, 1);
-  EXPECT_EQ(stiff_infill.infill_substeps, 3);
+  EXPECT_EQ(stiff_infill.infill_substeps, 1);
+  const StepPlan asked = plan_steps({3e-6, 1e-6, 1e-3}, 1.0, 3e-6, 2e-5);
+  EXPECT_EQ(asked.carpet_substeps, 1);
+  EXPECT_EQ(asked.infill_substeps, 3);
 }
 
 TEST(StepPlan, APartWithoutAStableStepIsAnError) {
