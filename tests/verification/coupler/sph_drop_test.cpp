@@ -45,7 +45,7 @@ TEST(SphDrop, IsAPulseWithEnergyAndMomentumInBalance) {
 
 TEST(SphDrop, HalvingTheStepChangesThePeakByUnderOnePercent) {
   const RunSummary whole = drop("step-whole", {{"scene.duration", "14 ms"}});
-  const RunSummary half = drop("step-half", {{"scene.duration", "14 ms"}, {"numerics.step_safety", "0.4"}});
+  const RunSummary half = drop("step-half", {{"scene.duration", "14 ms"}, {"numerics.step_safety", "0.35"}});
   EXPECT_GT(half.steps, 1.8 * static_cast<double>(whole.steps));
   const double peak = whole.results.at("peak_g").value;
   EXPECT_NEAR(half.results.at("peak_g").value, peak, 0.01 * peak);
