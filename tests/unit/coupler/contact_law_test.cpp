@@ -56,7 +56,8 @@ TEST(ContactLaw, ForceNeverPulls) {
   const ContactForce f = compute_contact_force(p, {1e-6, Vec3(0, 0, 1), Vec3(0, 0, 50), 1e-3}, 1e-6, history);
   EXPECT_EQ(f.force.z(), 0);
   // What the dashpot takes from the spring is dissipated, not lost.
-  EXPECT_NEAR(f.damped, 0.5 * 1e4 * 1e-6 * 50 * 1e-6, 1e-18) << "half: the force rose from zero over the step";
+  EXPECT_NEAR(f.damped, 0.5 * 1e4 * 1e-6 * 50 * 1e-6, 1e-18)
+      << "half: the force rose from zero over the step";
 }
 
 TEST(ContactLaw, SlidingForceIsCoulombsWithTheCoefficientOfThatSpeed) {
@@ -66,10 +67,12 @@ TEST(ContactLaw, SlidingForceIsCoulombsWithTheCoefficientOfThatSpeed) {
     ContactHistory history;
     ContactForce f;
     for (int i = 0; i < 20000; ++i)
-      f = compute_contact_force(p, {1e-5, Vec3(0, 0, 1), Vec3(speed, 0, 0), 1e-3}, 1e-4 * 0.01 / speed, history);
+      f = compute_contact_force(p, {1e-5, Vec3(0, 0, 1), Vec3(speed, 0, 0), 1e-3}, 1e-4 * 0.01 / speed,
+                                history);
     const double mu = 0.60 + (0.44 - 0.60) * std::exp(-300 * speed);
     EXPECT_NEAR(-f.force.x(), mu * 1e5 * 1e-5, 1e-9) << speed;
-    EXPECT_NEAR(f.friction, mu * 1.0 * speed * 1e-4 * 0.01 / speed, 1e-12) << "all work of steady sliding is friction";
+    EXPECT_NEAR(f.friction, mu * 1.0 * speed * 1e-4 * 0.01 / speed, 1e-12)
+        << "all work of steady sliding is friction";
   }
 }
 
@@ -92,7 +95,8 @@ TEST(ContactLaw, StickingSpringReturnsItsEnergyWithoutLoss) {
     x += v * dt;
     largest = std::max(largest, std::abs(x));
   }
-  EXPECT_LT(std::abs(friction), 1e-12 * 0.5 * mass * 0.05 * 0.05 * 20000) << "an ideal spring dissipates nothing";
+  EXPECT_LT(std::abs(friction), 1e-12 * 0.5 * mass * 0.05 * 0.05 * 20000)
+      << "an ideal spring dissipates nothing";
   EXPECT_NEAR(largest, 0.05 * std::sqrt(mass / (0.5 * 1e5)), 0.03 * largest);
 }
 

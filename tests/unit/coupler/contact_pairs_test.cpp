@@ -48,7 +48,8 @@ TEST(ParticleGrid, FindsEveryParticleOfABox) {
   view.radius = r;
   const ParticleGrid grid(view, 0.07);
   for (int trial = 0; trial < 50; ++trial) {
-    const Vec3 low(uniform() - 0.1, 2 * uniform() - 5, 0.1 * uniform() - 0.01), high = low + Vec3(0.2, 0.3, 0.02);
+    const Vec3 low(uniform() - 0.1, 2 * uniform() - 5, 0.1 * uniform() - 0.01),
+        high = low + Vec3(0.2, 0.3, 0.02);
     std::set<Index> found;
     grid.for_each_in_box(low, high, [&](Index i) { found.insert(i); });
     for (Index i = 0; i < 500; ++i) {

@@ -19,8 +19,8 @@ TEST(CylinderDistance, IsTheDistanceToTheNearestSurfacePoint) {
 
 TEST(CylinderDistance, NormalIsTheGradientOfTheDistance) {
   const Cylinder c{0.025, 0.1};
-  for (const Vec3& p : {Vec3(0.01, 0.005, -0.003), Vec3(0.03, 0.01, 0.04), Vec3(0.02, 0.02, -0.004), Vec3(0.003, -0.002, 0.002),
-                        Vec3(0.02, 0.013, 0.05), Vec3(0.02, 0.02, 0.11)}) {
+  for (const Vec3& p : {Vec3(0.01, 0.005, -0.003), Vec3(0.03, 0.01, 0.04), Vec3(0.02, 0.02, -0.004),
+                        Vec3(0.003, -0.002, 0.002), Vec3(0.02, 0.013, 0.05), Vec3(0.02, 0.02, 0.11)}) {
     const SurfacePoint s = distance_to(c, p);
     const double h = 1e-7;
     for (int axis = 0; axis < 3; ++axis) {
@@ -49,7 +49,8 @@ TEST(RigidBody, TakesExactlyTheImpulseItIsGiven) {
   body.velocity = Vec3(0, 0, -2.85);
   const Vec3 impulse(0.3, -0.1, 1.7);
   const BodyAdvance a = advance_body(body, impulse, Vec3(0, 0, -9.81), 1e-5);
-  EXPECT_LT((a.impulse_taken - impulse).norm(), 1e-14) << "free directions by momentum, held ones by the guides";
+  EXPECT_LT((a.impulse_taken - impulse).norm(), 1e-14)
+      << "free directions by momentum, held ones by the guides";
   EXPECT_EQ(body.velocity.x(), 0);
   EXPECT_NEAR(body.velocity.z(), -2.85 + 1.7 / 2.25 - 9.81e-5, 1e-14);
 }

@@ -42,7 +42,8 @@ TEST(StepPlan, TheWindowIsTheInfillsOwnStepUnlessTheSceneAsksForAnother) {
 }
 
 TEST(StepPlan, APartWithoutAStableStepIsAnError) {
-  EXPECT_THROW((void)plan_steps({3e-6, std::numeric_limits<double>::quiet_NaN(), 1e-3}, 1.0, 0, 2e-5), RunError);
+  EXPECT_THROW((void)plan_steps({3e-6, std::numeric_limits<double>::quiet_NaN(), 1e-3}, 1.0, 0, 2e-5),
+               RunError);
   EXPECT_THROW((void)plan_steps({0, 1e-6, 1e-3}, 1.0, 0, 2e-5), RunError);
 }
 

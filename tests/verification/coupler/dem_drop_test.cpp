@@ -31,7 +31,8 @@ TEST(DemDrop, IsAPulseWithEnergyAndMomentumInBalance) {
 }
 
 TEST(DemDrop, ResumesFromItsCheckpoint) {
-  const Overrides often = dem({{"scene.duration", "4 ms"}, {"numerics.settle_time", "2 ms"}, {"output.checkpoint_every", "3 ms"}});
+  const Overrides often = dem(
+      {{"scene.duration", "4 ms"}, {"numerics.settle_time", "2 ms"}, {"output.checkpoint_every", "3 ms"}});
   RunRequest through;
   through.scene = coarse_scene(often);
   through.folder = fresh_folder("dem-through");

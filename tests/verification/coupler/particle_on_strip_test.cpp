@@ -50,7 +50,8 @@ Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
   parts.particle_shell.stiffness.assign(n, setup.coupling_particle_stiffness);
   parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
   parts.particle_shell.friction.assign(n, setup.friction);
-  parts.particle_body = {parts.particle_shell.stiffness, parts.particle_shell.damping_ratio, parts.particle_shell.friction};
+  parts.particle_body = {parts.particle_shell.stiffness, parts.particle_shell.damping_ratio,
+                         parts.particle_shell.friction};
   parts.node_body.stiffness.assign(nodes, 1e4);
   parts.node_body.damping_ratio.assign(nodes, 0);
   parts.node_body.friction.assign(nodes, {});

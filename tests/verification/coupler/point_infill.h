@@ -1,5 +1,6 @@
 #pragma once
-/// An infill of free point masses with no forces between them: what contact does to it can be worked out by hand.
+/// An infill of free point masses with no forces between them: what contact does to it can be worked out by
+/// hand.
 #include "core/infill.h"
 
 namespace tuft::coupler {
@@ -22,7 +23,8 @@ class PointInfill final : public Infill {
 
   [[nodiscard]] std::string_view approach() const override { return "point"; }
   [[nodiscard]] ParticleView particles() const override {
-    return {position.x, position.y, position.z, velocity.x, velocity.y, velocity.z, {}, {}, {}, radius_, mass_, layer_, material_};
+    return {position.x, position.y, position.z, velocity.x, velocity.y, velocity.z, {},
+            {},         {},         radius_,    mass_,      layer_,     material_};
   }
   [[nodiscard]] double stable_step() const override { return 1e-3; }
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override {
