@@ -6,8 +6,8 @@
 
 namespace tuft {
 
-/// Closest point of a four-node facet to a point. The facet is taken as the two triangles (0,1,2) and (0,2,3),
-/// so that it is defined for warped quadrilaterals too; weights are continuous over the facet.
+/// Closest point of a four-node facet to a point. The facet is taken as the two triangles (0,1,2) and
+/// (0,2,3), so that it is defined for warped quadrilaterals too; weights are continuous over the facet.
 struct FacetPoint {
   Vec3 point;                    ///< m
   std::array<double, 4> weight;  ///< shape values at the four corners, sum 1
@@ -16,7 +16,8 @@ struct FacetPoint {
 
 /// Barycentric weights of the point of triangle abc closest to p (Ericson, Real-Time Collision Detection,
 /// 2005, section 5.1.5: Voronoi regions of corners, edges, face).
-inline std::array<double, 3> closest_triangle_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+inline std::array<double, 3> closest_triangle_weights(const Vec3& p, const Vec3& a, const Vec3& b,
+                                                      const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
@@ -45,14 +46,20 @@ inline std::array<double, 3> closest_triangle_weights(const Vec3& p, const Vec3&
   return {va * scale, vb * scale, vc * scale};
 }
 
-inline FacetPoint closest_point_on_facet(const Vec3& p, const std::array<Vec3, 4>& corner) {
+/// Closest points of the two triangles (0,1,2) and (0,2,3) of a facet.
+inline std::array<FacetPoint, 2> closest_points_on_halves(const Vec3& p, const std::array<Vec3, 4>& corner) {
   const auto first = closest_triangle_weights(p, corner[0], corner[1], corner[2]);
   const Vec3 q1 = first[0] * corner[0] + first[1] * corner[1] + first[2] * corner[2];
   const auto second = closest_triangle_weights(p, corner[0], corner[2], corner[3]);
   const Vec3 q2 = second[0] * corner[0] + second[1] * corner[2] + second[2] * corner[3];
-  const double r1 = (p - q1).squaredNorm(), r2 = (p - q2).squaredNorm();
-  if (r1 <= r2) return {q1, {first[0], first[1], first[2], 0.0}, r1};
-  return {q2, {second[0], 0.0, second[1], second[2]}, r2};
+  return {FacetPoint{q1, {first[0], first[1], first[2], 0.0}, (p - q1).squaredNorm()},
+          FacetPoint{q2, {second[0], 0.0, second[1], second[2]}, (p - q2).squaredNorm()}};
+}
+
+/// The nearer of the two; the first when both are equally near.
+inline FacetPoint closest_point_on_facet(const Vec3& p, const std::array<Vec3, 4>& corner) {
+  const auto halves = closest_points_on_halves(p, corner);
+  return halves[0].distance_squared <= halves[1].distance_squared ? halves[0] : halves[1];
 }
 
 }  // namespace tuft

@@ -161,7 +161,7 @@ struct CleggRig {
   double speed = 2.85;                   ///< m/s at first contact
   std::array<double, 2> position{0, 0};  ///< m, axis in x and y relative to the middle of the patch
   double filter_cutoff = 1000;           ///< Hz, low-pass of the acceleration
-  double touch_force = 5;                ///< N, force that starts the clock of first contact
+  double touch_force = 22;               ///< N, force that starts the clock of first contact: 1 g of 2.25 kg
 };
 
 struct Rig {
@@ -177,7 +177,7 @@ struct Effects {
 
 struct Numerics {
   double step_safety = 0.8;          ///< (0, 1], of the stable step of every part
-  double coupling_window = 0;        ///< s; 0: the infill's own step
+  double coupling_window = 0;        ///< s; 0: the larger of the carpet's and the infill's step
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch

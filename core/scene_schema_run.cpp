@@ -76,7 +76,7 @@ void describe_effects(KeyVisitor& keys, Effects& effects) {
 
 void describe_numerics(KeyVisitor& keys, Numerics& numerics) {
   keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
-  keys.quantity({"coupling_window", "time between exchanges; 0: the infill's own step"},
+  keys.quantity({"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
                 numerics.coupling_window, "s", non_negative);
   keys.number({"energy_error_limit", "relative energy error that stops the run"}, numerics.energy_error_limit,
               positive);

@@ -58,7 +58,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactKinematics kinematics;
   kinematics.overlap = overlap - history.offset * release;
   if (!(kinematics.overlap > 0)) {
-    result.contact.friction = release_spring(parameters, history);
+    result.contact.friction = release_spring(history);
     if (overlap <= 0) history.offset = 0;
     return result;
   }

@@ -21,12 +21,14 @@ struct ContactParameters {
 
 /// What a contact remembers.
 struct ContactHistory {
-  Vec3 spring{0, 0, 0};      ///< m, tangential spring, of the particle relative to the other
+  /// J^1/2, tangential spring: elongation times the root of its stiffness, so that half its square is the
+  /// energy it holds, whatever becomes of the stiffness as the contact moves from element to element.
+  Vec3 spring{0, 0, 0};
   Vec3 tangential{0, 0, 0};  ///< N, tangential force at the last step
-  double dashpot = 0;        ///< N, normal force beyond the spring's at the last step
+  Vec3 dashpot{0, 0, 0};     ///< N, normal force beyond the spring's at the last step
   double offset = 0;         ///< m, initial overlap not yet let go
   double side = 0;           ///< +1 or -1: side of a shell the particle came from; 0 while apart
-  double distance = 0;       ///< m, signed distance to the shell on that side when last looked at
+  double distance = 0;       ///< m, of the centre from the shell on that side when last looked at, < 0 beyond
 };
 
 /// One moment of a contact. `normal` is a unit vector from the other body towards the particle.
@@ -35,7 +37,7 @@ struct ContactKinematics {
   Vec3 normal{0, 0, 1};
   Vec3 velocity{0, 0, 0};     ///< m/s, particle relative to the other, at the contact point
   double effective_mass = 0;  ///< kg, 1 / (1/m1 + 1/m2)
-  double gradient = 1;        ///< (0, 1], of the overlap's gradient: under 1 where facets share a contact
+  double gradient = 1;        ///< size of the overlap's gradient: not 1 where facets share a contact
 };
 
 /// Energies are of this contact alone: `elastic` is a state, the others happened over the step.
@@ -82,9 +84,9 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
 /// present tangent plane.
 ///
 /// Work is booked over the displacement that led here, v dt with the velocity half a step ago, under the mean
-/// of the forces before and after it. Summed over steps that is exactly the work which leapfrog's kicks do,
-/// sum F_k (v_k-1/2 + v_k+1/2)/2 dt; booked with this step's force alone, light nodes under strong friction
-/// would seem to lose more than they had.
+/// of the forces before and after it, each with its own direction. Summed over steps that is exactly the work
+/// which leapfrog's kicks do, sum F_k (v_k-1/2 + v_k+1/2)/2 dt; booked with this step's force alone, light
+/// nodes under strong friction would seem to lose more than they had.
 inline ContactForce compute_contact_force(const ContactParameters& p, const ContactKinematics& c, double dt,
                                           ContactHistory& history) {
   ContactForce result;
@@ -92,31 +94,30 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
   const double dashpot = 2.0 * p.damping_ratio * std::sqrt(p.stiffness * c.effective_mass);
   const double spring_force = p.stiffness * c.overlap * c.gradient;
   const double normal_force = std::max(0.0, spring_force + dashpot * closing);
-  const double beyond_spring = normal_force - spring_force;
-  result.damped = 0.5 * (history.dashpot + beyond_spring) * closing * dt;
+  const Vec3 beyond_spring = (normal_force - spring_force) * c.normal;
+  result.damped = -0.5 * (history.dashpot + beyond_spring).dot(c.velocity) * dt;
   history.dashpot = beyond_spring;
 
-  const double tangential_stiffness = p.tangential_ratio * p.stiffness;
+  const double root = std::sqrt(p.tangential_ratio * p.stiffness);
   const Vec3 slip_velocity = c.velocity + closing * c.normal;
   Vec3 spring = history.spring - history.spring.dot(c.normal) * c.normal;
   const double turned = spring.squaredNorm(), length = history.spring.squaredNorm();
   if (turned > 0) spring *= std::sqrt(length / turned);
-  const double stored_before = 0.5 * tangential_stiffness * length;
+  const double stored_before = 0.5 * length;
 
-  spring += slip_velocity * dt;
+  spring += root * dt * slip_velocity;
   const double tangential_dashpot = dashpot * std::sqrt(p.tangential_ratio);
-  Vec3 tangential = -tangential_stiffness * spring - tangential_dashpot * slip_velocity;
+  Vec3 tangential = -root * spring - tangential_dashpot * slip_velocity;
   const double limit = friction_coefficient(p.friction, slip_velocity.norm()) * normal_force;
   const double size = tangential.norm();
   if (size > limit) {
     tangential *= limit / size;
     // The spring carries what the cut leaves; without this the slip would be stored and come back.
-    spring = -tangential / tangential_stiffness;
+    spring = -tangential / root;
   }
   history.spring = spring;
-  const double stored = 0.5 * tangential_stiffness * spring.squaredNorm();
-  result.friction =
-      -0.5 * (history.tangential + tangential).dot(slip_velocity) * dt - (stored - stored_before);
+  const double stored = 0.5 * spring.squaredNorm();
+  result.friction = -0.5 * (history.tangential + tangential).dot(c.velocity) * dt - (stored - stored_before);
   history.tangential = tangential;
   result.elastic = 0.5 * p.stiffness * c.overlap * c.overlap + stored;
   result.force = normal_force * c.normal + tangential;
@@ -124,10 +125,9 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
 }
 
 /// Energy that the tangential spring of a contact loses when the two part: it goes to friction.
-inline double release_spring(const ContactParameters& p, ContactHistory& history) {
-  const double stored = 0.5 * p.tangential_ratio * p.stiffness * history.spring.squaredNorm();
-  history.spring = history.tangential = Vec3(0, 0, 0);
-  history.dashpot = 0;
+inline double release_spring(ContactHistory& history) {
+  const double stored = 0.5 * history.spring.squaredNorm();
+  history.spring = history.tangential = history.dashpot = Vec3(0, 0, 0);
   return stored;
 }
 

@@ -2,132 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <tuple>
 
-#include "core/geometry.h"
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
-#include "coupler/particle_grid.h"
 
 namespace tuft::coupler {
 namespace {
 
-struct Candidate {
-  PairKey key;
-  Index element;
-  bool operator<(const Candidate& other) const {
-    return std::tie(key, element) < std::tie(other.key, other.element);
-  }
-};
-
-std::array<Vec3, 4> corners(const fe::NodeView& nodes, const std::array<Index, 4>& quad) {
-  std::array<Vec3, 4> result;
-  for (int c = 0; c < 4; ++c) result[c] = Vec3(nodes.x[quad[c]], nodes.y[quad[c]], nodes.z[quad[c]]);
-  return result;
-}
-
-/// Unit normal of a facet from its diagonals; its sense only tells the two sides apart.
-Vec3 facet_normal(const std::array<Vec3, 4>& corner) {
-  return (corner[2] - corner[0]).cross(corner[3] - corner[1]).normalized();
-}
-
-/// Edges that no second element of the same surface shares.
-std::vector<std::array<bool, 4>> find_outer_edges(const fe::ShellMesh& mesh) {
-  std::map<std::tuple<Index, Index, Index>, int> users;
-  const auto edge = [&](std::size_t e, int c) {
-    const Index a = mesh.quads[e][c], b = mesh.quads[e][(c + 1) % 4];
-    return std::make_tuple(mesh.surface[e], std::min(a, b), std::max(a, b));
-  };
-  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
-    for (int c = 0; c < 4; ++c) ++users[edge(e, c)];
-  std::vector<std::array<bool, 4>> outer(mesh.quads.size());
-  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
-    for (int c = 0; c < 4; ++c) outer[e][c] = users[edge(e, c)] == 1;
-  return outer;
+double fastest(std::span<const double> x, std::span<const double> y, std::span<const double> z) {
+  double squared = 0;
+#pragma omp simd reduction(max : squared)
+  for (std::size_t i = 0; i < x.size(); ++i)
+    squared = std::max(squared, x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+  return std::sqrt(squared);
 }
 
 }  // namespace
 
-ParticleShellContact::ParticleShellContact(const fe::ShellMesh& mesh, std::span<const double> node_stiffness,
-                                           std::span<const double> node_mass, ParticleShellSettings settings)
-    : mesh_(mesh),
-      outer_edge_(find_outer_edges(mesh)),
-      node_mass_(node_mass.begin(), node_mass.end()),
-      settings_(std::move(settings)) {
-  element_stiffness_.reserve(mesh.quads.size());
-  for (const auto& quad : mesh.quads) {
-    double softest = node_stiffness[quad[0]];
-    for (int c = 1; c < 4; ++c) softest = std::min(softest, node_stiffness[quad[c]]);
-    element_stiffness_.push_back(settings_.shell_share * softest);
-    const Vec3 diagonal_a = mesh.nodes[quad[2]] - mesh.nodes[quad[0]],
-               diagonal_b = mesh.nodes[quad[3]] - mesh.nodes[quad[1]];
-    element_area_.push_back(0.5 * diagonal_a.cross(diagonal_b).norm());
-  }
-}
-
-void ParticleShellContact::search(const ParticleView& particles, const fe::NodeView& nodes, double skin,
-                                  bool keep_overlap) {
-  double largest_radius = 0;
-  for (const double r : particles.radius)
-    largest_radius = std::max(largest_radius, r * settings_.radius_factor);
-  const ParticleGrid grid(particles, 2 * (largest_radius + skin));
-
-  const std::size_t elements = mesh_.quads.size();
-  std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(omp_get_max_threads()));
-#pragma omp parallel
-  {
-    auto& mine = found[static_cast<std::size_t>(omp_get_thread_num())];
-#pragma omp for schedule(static)
-    for (std::size_t e = 0; e < elements; ++e) {
-      const auto corner = corners(nodes, mesh_.quads[e]);
-      const double thin = 0.5 * mesh_.thickness[e] + skin;
-      const Vec3 low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2].cwiseMin(corner[3]));
-      const Vec3 high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2].cwiseMax(corner[3]));
-      const Vec3 reach = Vec3::Constant(thin + largest_radius);
-      grid.for_each_in_box(low - reach, high + reach, [&](Index p) {
-        const double touching = particles.radius[p] * settings_.radius_factor + thin;
-        if (closest_point_on_facet(particles.position(p), corner).distance_squared < touching * touching)
-          mine.push_back({make_key(p, mesh_.surface[e]), static_cast<Index>(e)});
-      });
-    }
-  }
-  std::vector<Candidate> candidates;
-  for (const auto& part : found) candidates.insert(candidates.end(), part.begin(), part.end());
-  std::sort(candidates.begin(), candidates.end());  // a total order: the same list for any thread count
-
-  std::vector<PairKey> keys;
-  first_element_.clear();
-  elements_.clear();
-  for (const Candidate& candidate : candidates) {
-    if (keys.empty() || keys.back() != candidate.key) {
-      keys.push_back(candidate.key);
-      first_element_.push_back(elements_.size());
-    }
-    elements_.push_back(candidate.element);
-  }
-  first_element_.push_back(elements_.size());
-  histories_ = carry_over(keys_, histories_, keys);
-  keys_ = std::move(keys);
-  results_.assign(keys_.size(), {});
-
-  if (!searched_ && keep_overlap) {
-    for (std::size_t g = 0; g < keys_.size(); ++g) {
-      const Index p = key_point(keys_[g]);
-      double overlap = 0;
-      for (std::size_t s = first_element_[g]; s < first_element_[g + 1]; ++s) {
-        const Index e = elements_[s];
-        const double distance = std::sqrt(
-            closest_point_on_facet(particles.position(p), corners(nodes, mesh_.quads[e])).distance_squared);
-        overlap = std::max(
-            overlap, particles.radius[p] * settings_.radius_factor + 0.5 * mesh_.thickness[e] - distance);
-      }
-      histories_[g].offset = overlap;
-      if (overlap > 0) ++initial_overlap_.pairs;
-      initial_overlap_.largest = std::max(initial_overlap_.largest, overlap);
-    }
-  }
-  searched_ = true;
+void ParticleShellContact::Block::clear() {
+  particles.clear();
+  facets.clear();
+  energy = {};
+  softening = 0;
 }
 
 bool ParticleShellContact::on_rim(Index element, const std::array<double, 4>& weight) const {
@@ -145,151 +41,165 @@ bool ParticleShellContact::on_rim(Index element, const std::array<double, 4>& we
   return false;  // on the diagonal between the two triangles of the facet
 }
 
-std::size_t ParticleShellContact::find_parts(std::size_t pair, const Vec3& centre, double radius,
-                                             const fe::NodeView& nodes, Parts& parts,
-                                             double& soft_distance) const {
-  std::size_t count = 0;
-  for (std::size_t s = first_element_[pair]; s < first_element_[pair + 1]; ++s) {
-    Part candidate;
-    candidate.element = elements_[s];
-    candidate.at = closest_point_on_facet(centre, corners(nodes, mesh_.quads[candidate.element]));
-    candidate.nearness = std::sqrt(candidate.at.distance_squared);
-    std::size_t place = count;
-    while (place > 0 && candidate.nearness < parts[place - 1].nearness) --place;
-    if (place == most_parts) continue;
-    count = std::min(count + 1, most_parts);
-    for (std::size_t i = count - 1; i > place; --i) parts[i] = parts[i - 1];
-    parts[place] = candidate;
-  }
-  const double touching = radius + 0.5 * mesh_.thickness[parts[0].element];
-  const double width = 0.05 * touching;
-  double sum = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    parts[i].share = std::exp((parts[0].nearness - parts[i].nearness) / width);
-    sum += parts[i].share;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    parts[i].share /= sum;
-    // A particle whose centre lies on a facet has no direction from it: the facet's own normal serves.
-    parts[i].normal = parts[i].nearness > 1e-9 * touching
-                          ? Vec3((centre - parts[i].at.point) / parts[i].nearness)
-                          : facet_normal(corners(nodes, mesh_.quads[parts[i].element]));
-  }
-  soft_distance = parts[0].nearness - width * std::log(sum);
-  return count;
+double ParticleShellContact::stiffness(Index particle, double radius, Index element) const {
+  const double cover = std::min(1.0, 4 * radius * radius / element_area_[element]);
+  return std::min(settings_.stiffness[particle], cover * element_stiffness_[element]);
 }
 
-ParticleShellContact::Result ParticleShellContact::evaluate_pair(std::size_t pair,
-                                                                 const ParticleView& particles, double ahead,
-                                                                 const fe::NodeView& nodes, double dt,
-                                                                 double release, double release_before) {
-  Result result;
-  ContactHistory& history = histories_[pair];
+double ParticleShellContact::find_overlap(std::size_t pair, const Vec3& centre, const ParticleView& particles,
+                                          const fe::NodeView& nodes, SoftOverlap& overlap) const {
   const Index p = key_point(keys_[pair]);
-  const Vec3 centre = particles.position(p) + ahead * particles.velocity(p);
   const double radius = particles.radius[p] * settings_.radius_factor;
-  double distance = 0;
-  std::size_t count = find_parts(pair, centre, radius, nodes, result.parts, distance);
-  const Part& nearest = result.parts[0];
-  const double touching = radius + 0.5 * mesh_.thickness[nearest.element];
-  const double cover =
-      std::min(1.0, 4 * particles.radius[p] * particles.radius[p] / element_area_[nearest.element]);
-  const ContactParameters parameters{
-      std::min(settings_.stiffness[p], cover * element_stiffness_[nearest.element]),
-      settings_.damping_ratio[p], 0.5, settings_.friction[p]};
-  if (distance >= touching) {
-    result.contact.friction = release_spring(parameters, history);
-    history.side = 0;
-    history.offset = 0;
-    return result;
+  overlap.clear();
+  double touching = 0;
+  for (std::size_t s = first_element_[pair]; s < first_element_[pair + 1]; ++s) {
+    const Index e = elements_[s];
+    touching = radius + 0.5 * mesh_.thickness[e];
+    overlap.add_facet(centre, touching, facet_corners(nodes, mesh_.quads[e]),
+                      stiffness(p, particles.radius[p], e), e);
   }
+  if (overlap.count > 0) {
+    overlap.finish(centre);
+    touching = overlap.parts[0].nearness + overlap.parts[0].overlap;
+  }
+  return touching;
+}
 
+void ParticleShellContact::choose_side(double touching, ContactHistory& history, SoftOverlap& overlap) const {
   // The side a particle came from is remembered: when a thin, soft strand is overrun the push stays on that
   // side. Round the rim of a strand a particle is free to change sides. So is one that leaves a fold of the
   // strand for another: the nearest point jumps then, while the distance of a particle that passes through
   // the sheet goes through zero.
-  const Vec3 facet = facet_normal(corners(nodes, mesh_.quads[nearest.element]));
-  const double present_side = nearest.normal.dot(facet) >= 0 ? 1 : -1;
+  const SurfacePart& nearest = overlap.parts[0];
+  const double present_side = nearest.normal.dot(nearest.face) >= 0 ? 1 : -1;
   const bool passed = present_side != history.side && history.distance < 0.25 * touching;
   if (history.side == 0 || on_rim(nearest.element, nearest.at.weight) || !passed) history.side = present_side;
-  ContactKinematics kinematics;
-  if (present_side != history.side) {
-    count = 1;
-    result.parts[0].share = 1;
-    result.parts[0].normal = -result.parts[0].normal;
-    distance = -nearest.nearness;
-  }
-  history.distance = distance;
-  Vec3 gradient(0, 0, 0);
-  for (std::size_t i = 0; i < count; ++i) gradient += result.parts[i].share * result.parts[i].normal;
-  const double steepness = gradient.norm();
-  kinematics.overlap = touching - distance - history.offset * release;
-  if (!(kinematics.overlap > 0) || !(steepness > 1e-6)) {
-    result.contact.friction = release_spring(parameters, history);
-    return result;
-  }
-  kinematics.gradient = steepness;
-  kinematics.normal = gradient / steepness;
+  history.distance = present_side * history.side * nearest.nearness;
+  if (present_side != history.side) overlap.take_as_passed();
+}
 
+ContactKinematics ParticleShellContact::kinematics_of(Index p, const Moment& now, const Vec3& arm,
+                                                      const SoftOverlap& overlap,
+                                                      const Vec3& direction) const {
+  const fe::NodeView& nodes = now.nodes;
   Vec3 shell_velocity(0, 0, 0);
-  double inverse_shell_mass = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Part& part = result.parts[i];
+  double along = 0, inverse_shell_mass = 0;
+  for (std::size_t i = 0; i < overlap.count; ++i) {
+    const SurfacePart& part = overlap.parts[i];
     const auto& quad = mesh_.quads[part.element];
+    Vec3 velocity(0, 0, 0);
     for (int c = 0; c < 4; ++c) {
       const double w = part.at.weight[c];
-      shell_velocity += part.share * w * Vec3(nodes.vx[quad[c]], nodes.vy[quad[c]], nodes.vz[quad[c]]);
+      velocity += w * Vec3(nodes.vx[quad[c]], nodes.vy[quad[c]], nodes.vz[quad[c]]);
       inverse_shell_mass += part.share * w * w / node_mass_[quad[c]];
     }
+    shell_velocity += part.share * velocity;
+    along += part.slope * part.normal.dot(velocity);
   }
-  result.arm = -radius * kinematics.normal;
-  kinematics.velocity = particles.velocity(p) + particles.spin(p).cross(result.arm) - shell_velocity;
-  kinematics.effective_mass = 1.0 / (1.0 / particles.mass[p] + inverse_shell_mass);
-  result.contact = compute_contact_force(parameters, kinematics, dt, history);
-  result.released =
-      release_work(parameters.stiffness, kinematics.overlap, history.offset * (release_before - release));
-  result.softening = settings_.stiffness[p] / parameters.stiffness;
-  result.normal = kinematics.normal;
-  result.gradient = steepness;
-  result.part_count = count;
-  return result;
+  ContactKinematics kinematics;
+  kinematics.gradient = direction.norm();
+  kinematics.normal = direction / kinematics.gradient;
+  const Vec3 of_particle = now.particles.velocity(p) + now.particles.spin(p).cross(arm);
+  const Vec3 slip = of_particle - shell_velocity;
+  // Along the normal, the rate of the overlap itself: what each facet takes of the push times its own motion.
+  const double parting = of_particle.dot(kinematics.normal) - along / kinematics.gradient;
+  kinematics.velocity = slip + (parting - slip.dot(kinematics.normal)) * kinematics.normal;
+  kinematics.effective_mass = 1.0 / (1.0 / now.particles.mass[p] + inverse_shell_mass);
+  return kinematics;
+}
+
+void ParticleShellContact::evaluate_pair(std::size_t pair, const Moment& now, Block& block) {
+  ContactHistory& history = histories_[pair];
+  const Index p = key_point(keys_[pair]);
+  const Vec3 centre = now.particles.position(p) + now.ahead * now.particles.velocity(p);
+  SoftOverlap overlap;
+  const double touching = find_overlap(pair, centre, now.particles, now.nodes, overlap);
+  if (overlap.count == 0) {
+    block.energy.friction += release_spring(history);
+    history.side = 0;
+    history.offset = 0;
+    apart_until_[pair] = travel_.sum + overlap.gap;
+    return;
+  }
+  choose_side(touching, history, overlap);
+  const Vec3 direction = overlap.direction();
+  const double depth = overlap.value - history.offset * now.release;
+  if (!(depth > 0) || !(direction.squaredNorm() > 1e-12)) {
+    block.energy.friction += release_spring(history);
+    return;
+  }
+  const double radius = now.particles.radius[p] * settings_.radius_factor;
+  const Vec3 arm = -radius * direction.normalized();
+  ContactKinematics kinematics = kinematics_of(p, now, arm, overlap, direction);
+  kinematics.overlap = depth;
+  const ContactParameters parameters{overlap.parts[0].root * overlap.parts[0].root,
+                                     settings_.damping_ratio[p], 0.5, settings_.friction[p]};
+  const ContactForce contact = compute_contact_force(parameters, kinematics, now.dt, history);
+  block.energy.elastic += contact.elastic;
+  block.energy.damped += contact.damped;
+  block.energy.friction += contact.friction;
+  block.energy.released +=
+      release_work(parameters.stiffness, depth, history.offset * (now.release_before - now.release));
+  block.softening += settings_.stiffness[p] / parameters.stiffness;
+  block.particles.push_back({contact.force, arm, p});
+  // Each facet takes its own normal's part of the push, which is what the overlap's energy asks for.
+  const double push = contact.force.dot(kinematics.normal);
+  const Vec3 along = contact.force - push * kinematics.normal;
+  for (std::size_t i = 0; i < overlap.count; ++i) {
+    const SurfacePart& part = overlap.parts[i];
+    block.facets.push_back({push / kinematics.gradient * part.slope * part.normal + part.share * along,
+                            part.at.weight, part.element});
+  }
+}
+
+void ParticleShellContact::advance_travel(const Moment& now) {
+  const ParticleView& particles = now.particles;
+  const fe::NodeView& nodes = now.nodes;
+  const double speed = fastest(particles.vx, particles.vy, particles.vz);
+  // Particles move along one velocity within a window. A new window goes back over what was looked ahead with
+  // the old one and takes the step with the new.
+  const double moved = now.ahead > travel_.ahead
+                           ? speed * (now.ahead - travel_.ahead)
+                           : travel_.particles * travel_.ahead + speed * (travel_.ahead + travel_.dt);
+  travel_.sum += moved + fastest(nodes.vx, nodes.vy, nodes.vz) * travel_.dt;
+  travel_.ahead = now.ahead;
+  travel_.dt = now.dt;
+  travel_.particles = speed;
 }
 
 void ParticleShellContact::evaluate(const ParticleView& particles, double ahead, const fe::NodeView& nodes,
                                     double dt, double release, double release_before, Vec3Array& node_force,
                                     ContactImpulses& impulses) {
+  const Moment now{particles, ahead, nodes, dt, release, release_before};
+  advance_travel(now);
   const std::size_t pairs = keys_.size();
-#pragma omp parallel for schedule(static) if (pairs > 256)
-  for (std::size_t g = 0; g < pairs; ++g)
-    results_[g] = evaluate_pair(g, particles, ahead, nodes, dt, release, release_before);
+#pragma omp parallel for schedule(dynamic, 1) if (blocks_.size() > 1)
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Block& block = blocks_[b];
+    block.clear();
+    const std::size_t end = std::min(pairs, (b + 1) * block_pairs);
+    for (std::size_t g = b * block_pairs; g < end; ++g)
+      if (apart_until_[g] <= travel_.sum) evaluate_pair(g, now, block);
+  }
 
   // Serial: few pairs touch, and the order of additions must not depend on the threads.
   energy_.elastic = 0;
   touching_ = 0;
   double softening = 0;
   Vec3 given(0, 0, 0);
-  for (std::size_t g = 0; g < pairs; ++g) {
-    const Result& r = results_[g];
-    energy_.friction += r.contact.friction;
-    if (r.part_count == 0) continue;
-    ++touching_;
-    softening += r.softening;
-    energy_.elastic += r.contact.elastic;
-    energy_.damped += r.contact.damped;
-    energy_.released += r.released;
-    const Index p = key_point(keys_[g]);
-    const Vec3 impulse = r.contact.force * dt;
-    impulses.linear.add(p, impulse);
-    impulses.angular.add(p, r.arm.cross(impulse));
-    given += impulse;
-    // Each facet takes its own normal's part of the push, which is what the soft minimum's energy asks for.
-    const double push = r.contact.force.dot(r.normal);
-    const Vec3 along = r.contact.force - push * r.normal;
-    for (std::size_t i = 0; i < r.part_count; ++i) {
-      const Part& part = r.parts[i];
-      const Vec3 force = part.share * (push / r.gradient * part.normal + along);
-      const auto& quad = mesh_.quads[part.element];
-      for (int c = 0; c < 4; ++c) node_force.add(quad[c], -part.at.weight[c] * force);
+  for (const Block& block : blocks_) {
+    energy_ += block.energy;
+    softening += block.softening;
+    touching_ += block.particles.size();
+    for (const ParticleForce& of : block.particles) {
+      const Vec3 impulse = of.force * dt;
+      impulses.linear.add(of.particle, impulse);
+      impulses.angular.add(of.particle, of.arm.cross(impulse));
+      given += impulse;
+    }
+    for (const FacetForce& of : block.facets) {
+      const auto& quad = mesh_.quads[of.element];
+      for (int c = 0; c < 4; ++c) node_force.add(quad[c], -of.weight[c] * of.force);
     }
   }
   impulse_given_ += given;

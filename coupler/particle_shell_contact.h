@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry.h"
 #include "core/infill.h"
 #include "coupler/contact_pairs.h"
+#include "coupler/soft_overlap.h"
 #include "fe_carpet/carpet.h"
 
 namespace tuft::coupler {
@@ -20,10 +20,18 @@ struct ParticleShellSettings {
   double radius_factor = 1;           ///< contact radius for shells over the particle's radius
   /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness),
   /// for a particle that covers a whole element; one that covers less, (2r)^2 of the element's area, gets as
-  /// much less. However densely both faces are covered, the sum over a node's contacts then stays under the
-  /// share, and its omega^2 dt^2 under s^2 (4 + share) at step safety s (docs/theory/contact.md).
+  /// much less. However densely both faces are covered, the sum over a node's contacts then stays under 1.6
+  /// times the share (1.6: over a corner of six triangles, soft_overlap.h), and its omega^2 dt^2 under
+  /// s^2 (4 + 1.6 share) at step safety s, which is under 4 up to s = 0.9 (docs/theory/contact.md).
   double shell_share = 0.5;
 };
+
+[[nodiscard]] inline std::array<Vec3, 4> facet_corners(const fe::NodeView& nodes,
+                                                       const std::array<Index, 4>& quad) {
+  std::array<Vec3, 4> corner;
+  for (int c = 0; c < 4; ++c) corner[c] = Vec3(nodes.x[quad[c]], nodes.y[quad[c]], nodes.z[quad[c]]);
+  return corner;
+}
 
 /// Positions and velocities of the shell's nodes are read, forces on them added.
 class ParticleShellContact {
@@ -55,32 +63,46 @@ class ParticleShellContact {
   void load(const h5::Group& group);
 
  private:
-  /// A facet's part in a contact.
-  struct Part {
-    FacetPoint at;
-    Vec3 normal{0, 0, 1};  ///< towards the particle
-    double nearness = 0;   ///< m
-    double share = 0;      ///< of the contact, sum 1
-    Index element = -1;
+  /// One substep as all its pairs see it.
+  struct Moment {
+    const ParticleView& particles;
+    double ahead;
+    const fe::NodeView& nodes;
+    double dt, release, release_before;
   };
-  static constexpr std::size_t most_parts = 4;
-  using Parts = std::array<Part, most_parts>;
-  struct Result {
-    ContactForce contact;
-    Vec3 arm{0, 0, 0};
-    Vec3 normal{0, 0, 1};
-    double gradient = 1;
-    double released = 0;
-    double softening = 1;
-    Parts parts{};
-    std::size_t part_count = 0;  ///< 0: apart
+  /// What a touching pair does to its particle, and one of its facets to the shell's nodes.
+  struct ParticleForce {
+    Vec3 force, arm;
+    Index particle;
   };
-  /// The nearest facets of a pair, nearest first, with shares; returns how many, and the soft minimum of
-  /// their distances.
-  std::size_t find_parts(std::size_t pair, const Vec3& centre, double radius, const fe::NodeView& nodes,
-                         Parts& parts, double& soft_distance) const;
-  Result evaluate_pair(std::size_t pair, const ParticleView& particles, double ahead,
-                       const fe::NodeView& nodes, double dt, double release, double release_before);
+  struct FacetForce {
+    Vec3 force;  ///< N, on the particle; the nodes get the opposite, by weight
+    std::array<double, 4> weight;
+    Index element;
+  };
+  /// Results of a fixed range of pairs, so that their order does not depend on the threads. Capacity is kept.
+  struct Block {
+    std::vector<ParticleForce> particles;
+    std::vector<FacetForce> facets;
+    ContactEnergy energy;
+    double softening = 0;
+    void clear();
+  };
+  static constexpr std::size_t block_pairs = 256;
+
+  void evaluate_pair(std::size_t pair, const Moment& now, Block& block);
+  /// How deep the particle is in the surface; returns the distance at which it touches, m.
+  double find_overlap(std::size_t pair, const Vec3& centre, const ParticleView& particles,
+                      const fe::NodeView& nodes, SoftOverlap& overlap) const;
+  /// The side rule: which side of the surface the particle is on, and the overlap from there.
+  void choose_side(double touching, ContactHistory& history, SoftOverlap& overlap) const;
+  /// Motion of particle and shell at the contact point, and the mass that resists.
+  [[nodiscard]] ContactKinematics kinematics_of(Index particle, const Moment& now, const Vec3& arm,
+                                                const SoftOverlap& overlap, const Vec3& direction) const;
+  [[nodiscard]] double stiffness(Index particle, double radius, Index element) const;
+  /// Farthest that any particle and any node can have closed in on each other since the last call, added up.
+  void advance_travel(const Moment& now);
+  void record_initial_overlap(const ParticleView& particles, const fe::NodeView& nodes);
 
   /// Whether the nearest point of an element lies on the rim of its surface: there a particle may pass from
   /// one side to the other, over the face it may not.
@@ -98,7 +120,13 @@ class ParticleShellContact {
   std::vector<ContactHistory> histories_;
   std::vector<std::size_t> first_element_;  ///< CSR, keys_.size() + 1
   std::vector<Index> elements_;
-  std::vector<Result> results_;
+  std::vector<double> apart_until_;  ///< m, per pair: value of travel_ before which it cannot touch
+  std::vector<Block> blocks_;
+
+  struct Travel {
+    double sum = 0;                           ///< m, since the last search
+    double ahead = 0, dt = 0, particles = 0;  ///< of the last call: s, s, m/s
+  } travel_;
 
   ContactEnergy energy_;
   InitialOverlap initial_overlap_;

@@ -22,7 +22,7 @@ StepPlan plan_steps(const StableSteps& stable, double safety, double requested_w
                     stable.infill, stable.contact);
   const double carpet = safety * stable.carpet;
   const double infill = safety / std::hypot(1 / stable.infill, 1 / stable.contact);
-  double window = requested_window > 0 ? requested_window : infill;
+  double window = requested_window > 0 ? requested_window : std::max(infill, carpet);
   window = std::min(window, std::max(infill, safety * stable.contact / std::sqrt(2.0)));
   StepPlan plan;
   plan.windows = parts(interval, window);

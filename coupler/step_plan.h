@@ -23,10 +23,12 @@ struct StepPlan {
 /// Each part takes the largest step it can bear:
 /// - the infill's step feels its own stiffness and that of contact in parallel: 1/dt^2 = 1/dt_infill^2 +
 /// 1/dt_contact^2;
-/// - the window is the infill's own step, and the carpet takes as many steps in it as it needs. A window of several infill
-///   steps is cheaper but holds a contact's force while the infill moves on, which costs energy error in proportion to the
-///   window (docs/theory/ledger.md); a scene may ask for it (requested_window > 0);
-/// - a requested window is cut to dt_contact/sqrt(2), where spread impulses stay stable.
+/// - the window is the larger of the two parts' steps, so that one of them takes a single step in it: nothing
+/// is exchanged
+///   more often than either can tell. Contact's force is held while the infill makes several steps in a
+///   window, at an energy error that grows with the window (docs/theory/contact.md); a scene may ask for
+///   another (requested_window > 0);
+/// - a window longer than the infill's step is cut to dt_contact/sqrt(2), where spread impulses stay stable.
 [[nodiscard]] StepPlan plan_steps(const StableSteps& stable, double safety, double requested_window,
                                   double interval);
 

@@ -9,7 +9,28 @@
 namespace tuft::rigs {
 namespace {
 constexpr double standard_gravity = 9.80665;  // m/s^2, ISO 80000-3: the unit "g" of the results
+constexpr double pulse_share = 0.1;           // of the peak: where a pulse begins and ends
+
+/// Time around the sample `peak` in which the signal stays above a tenth of its value there, s; ends are
+/// interpolated between samples.
+double pulse_duration(const std::vector<double>& signal, std::size_t peak, double interval) {
+  const double level = pulse_share * signal[peak];
+  if (!(level > 0)) return 0;
+  double first = 0, last = static_cast<double>(signal.size() - 1);
+  for (std::size_t i = peak; i > 0; --i)
+    if (signal[i - 1] <= level) {
+      first = static_cast<double>(i) - (signal[i] - level) / (signal[i] - signal[i - 1]);
+      break;
+    }
+  for (std::size_t i = peak; i + 1 < signal.size(); ++i)
+    if (signal[i + 1] <= level) {
+      last = static_cast<double>(i) + (signal[i] - level) / (signal[i] - signal[i + 1]);
+      break;
+    }
+  return (last - first) * interval;
 }
+
+}  // namespace
 
 DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& filtered, double mass,
                           double touch_force) {
@@ -30,6 +51,7 @@ DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& f
   }
   r.peak_g = filtered[peak] / standard_gravity;
   r.time_of_peak = static_cast<double>(peak - touch) * record.interval;
+  r.pulse_duration = pulse_duration(filtered, peak, record.interval);
   r.max_penetration = touch_height - record.height[deepest];
   std::size_t last_contact = touch;
   for (std::size_t i = touch; i < n; ++i)
@@ -127,6 +149,7 @@ std::map<std::string, Quantity> CleggTester::results() const {
           {"time_of_peak", {r.time_of_peak, "s"}},
           {"rebound_velocity", {r.rebound_velocity, "m/s"}},
           {"max_penetration", {r.max_penetration, "m"}},
+          {"pulse_duration", {r.pulse_duration, "s"}},
           {"contact_time", {r.contact_time, "s"}},
           {"impact_velocity", {r.impact_velocity, "m/s"}},
           {"separated", {r.separated ? 1.0 : 0.0, "1"}}};

@@ -11,8 +11,8 @@ struct DropRecord {
   double interval = 0;               ///< s between samples
   std::vector<double> acceleration;  ///< m/s^2, upward: mean contact force over the interval / mass (what an
                                      ///< accelerometer reads, 0 in free fall)
-  std::vector<double> velocity;  ///< m/s, upward, at the sample's end
-  std::vector<double> height;    ///< m, lower face, at the sample's end
+  std::vector<double> velocity;      ///< m/s, upward, at the sample's end
+  std::vector<double> height;        ///< m, lower face, at the sample's end
 };
 
 struct DropResults {
@@ -24,6 +24,8 @@ struct DropResults {
       0;  ///< m/s, upward, at separation (last force under touch_force after the deepest point);
           ///< without separation: the highest upward velocity after the deepest point, at least 0
   double max_penetration = 0;  ///< m, depth of the lower face under its place at touch
+  double pulse_duration = 0;   ///< s, around the peak, filtered acceleration above a tenth of it (or to the
+                               ///< record's ends)
   double contact_time = 0;     ///< s, touch to separation (or to the end)
   double impact_velocity = 0;  ///< m/s, downward, at touch
 };

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/scene_reader.h"
+#include "coupler/layer_depth.h"
 #include "rigs/process_memory.h"
 #include "rigs/run_state.h"
 #include "rigs/xdmf.h"
@@ -119,6 +120,9 @@ class Runner {
     while (state_.index < schedule.end) {
       if (state_.index == schedule.settle) {
         set_drop_damping();
+        const Turf& turf = request_.scene.turf;
+        state_.layer_tops = coupler::layer_tops(simulation.infill().particles(), turf.size,
+                                                turf.carpet.backing_thickness, turf.layers.size());
         state_.rig->release(simulation);
       }
       simulation.advance_interval(schedule.interval);
@@ -276,6 +280,10 @@ void Runner::measure() {
     notes["energy_residual_infill"] = {residuals.infill, "J"};
     notes["energy_residual_contact"] = {residuals.contact_and_bodies, "J"};
   }
+  const auto& layers = request_.scene.turf.layers;
+  for (std::size_t i = 0; i < state_.layer_tops.size(); ++i)
+    notes[fmt::format("layer_{}_{}_depth", i + 1, layers[i].material)] = {
+        state_.layer_tops[i] - (i > 0 ? state_.layer_tops[i - 1] : 0), "m"};
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};

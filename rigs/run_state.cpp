@@ -13,7 +13,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 1;
+constexpr std::uint64_t checkpoint_format = 2;
 
 /// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
 /// may not.
@@ -90,6 +90,7 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
   root.write_scalar("format", checkpoint_format);
   root.write_string("scene_hash", physics_hash(scene));
   root.write_scalar("index", state.index);
+  root.write("layer_tops", std::span<const double>(state.layer_tops));
   h5::Group spent_group = root.create_group("spent");
   spent_group.write_scalar("wall", spent.wall);
   for (const auto& [phase, seconds] : spent.cost) spent_group.write_scalar(phase, seconds);
@@ -145,6 +146,7 @@ CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& s
   CheckpointRest rest;
   try {
     state.index = root.read_count("index");
+    state.layer_tops = root.read_doubles("layer_tops");
     const h5::Group spent_group = root.open_group("spent");
     rest.spent.wall = spent_group.read_double("wall");
     for (const auto phase : phase_names) rest.spent.cost[std::string(phase)] = spent_group.read_double(phase);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "coupler/build_simulation.h"
 #include "coupler/recorder.h"
@@ -34,7 +35,8 @@ struct RunState {
   std::vector<EffectDecision> effects;
   std::unique_ptr<Rig> rig;
   coupler::BuiltSimulation built;
-  std::uint64_t index = 0;  ///< intervals done
+  std::uint64_t index = 0;         ///< intervals done
+  std::vector<double> layer_tops;  ///< m above the backing, when the rig was released; empty before
 
   [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }
 };

@@ -29,16 +29,18 @@ TEST(StepPlan, NoPartStepsOverItsShareOfTheStableStep) {
         }
 }
 
-TEST(StepPlan, TheWindowIsTheInfillsOwnStepUnlessTheSceneAsksForAnother) {
+TEST(StepPlan, TheWindowIsTheLargerOfBothStepsUnlessTheSceneAsksForAnother) {
   const StepPlan soft_infill = plan_steps({3e-6, 1e-5, 1e-3}, 1.0, 0, 2e-5);
   EXPECT_EQ(soft_infill.infill_substeps, 1);
   EXPECT_GT(soft_infill.carpet_substeps, 2);
   const StepPlan stiff_infill = plan_steps({3e-6, 1e-6, 1e-3}, 1.0, 0, 2e-5);
   EXPECT_EQ(stiff_infill.carpet_substeps, 1);
-  EXPECT_EQ(stiff_infill.infill_substeps, 1);
-  const StepPlan asked = plan_steps({3e-6, 1e-6, 1e-3}, 1.0, 3e-6, 2e-5);
+  EXPECT_EQ(stiff_infill.infill_substeps, 3);
+  const StepPlan asked = plan_steps({3e-6, 1e-6, 1e-3}, 1.0, 0.9e-6, 2e-5);
   EXPECT_EQ(asked.carpet_substeps, 1);
-  EXPECT_EQ(asked.infill_substeps, 3);
+  EXPECT_EQ(asked.infill_substeps, 1);
+  const StepPlan stiff_contact = plan_steps({3e-6, 1e-6, 2e-6}, 1.0, 0, 2e-5);
+  EXPECT_LT(stiff_contact.window, 2e-6 / std::sqrt(2.0) * (1 + 1e-9));
 }
 
 TEST(StepPlan, APartWithoutAStableStepIsAnError) {

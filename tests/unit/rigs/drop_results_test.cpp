@@ -42,7 +42,21 @@ TEST(DropResults, OfASpringAreThoseOfTheClosedForm) {
   EXPECT_NEAR(r.rebound_velocity, speed, 1e-3);
   EXPECT_NEAR(r.max_penetration, speed / omega, 3 * speed * dt);
   EXPECT_NEAR(r.contact_time, std::numbers::pi / omega, 3 * dt);
+  // Above a tenth of the peak from asin(0.1) to pi - asin(0.1).
+  EXPECT_NEAR(r.pulse_duration, (std::numbers::pi - 2 * std::asin(0.1)) / omega, 0.1 * dt);
   EXPECT_NEAR(r.impact_velocity, speed, 1e-12);
+}
+
+TEST(DropResults, PulseDurationLeavesOutALongWeakTouchBeforeAndAfter) {
+  DropRecord record = spring_drop(300, 2.85, 0.001, 2e-5);
+  const double alone = evaluate_drop(record, record.acceleration, 2.25, 22).pulse_duration;
+  const DropRecord bare = record;
+  for (double& a : record.acceleration)
+    a = std::max(a, 20.0);  // fibres before and after: 2 g under a peak of 87
+  const DropResults r = evaluate_drop(record, record.acceleration, 2.25, 22);
+  EXPECT_NEAR(r.pulse_duration, alone, 1e-12);
+  EXPECT_GT(r.contact_time, evaluate_drop(bare, bare.acceleration, 2.25, 22).contact_time + 1e-3)
+      << "the threshold does see the fibres";
 }
 
 TEST(DropResults, WithoutReboundSayThatItDidNotPart) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Materials, blocks of particles and walls for tests of SPH infill.
 #include <cmath>
+#include <ostream>
 #include <random>
 
 #include "sph_infill/sph_infill.h"
@@ -48,6 +49,10 @@ inline std::vector<Material> single_material(const SoilFoamMaterial& continuum) 
 }
 
 enum class Preset { accurate, paper };
+/// Names the cases of parameterised tests.
+inline void PrintTo(Preset preset, std::ostream* os) {
+  *os << (preset == Preset::accurate ? "accurate" : "paper");
+}
 
 inline SphOptions options_of(Preset preset, double pitch) {
   SphOptions options;

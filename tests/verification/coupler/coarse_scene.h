@@ -14,7 +14,6 @@ inline Scene coarse_scene(const Overrides& more = {}) {
   Overrides overrides{{"turf.size", "[\"64 mm\", \"64 mm\"]"},
                       {"infill.sph.pitch", "5.5 mm"},
                       {"turf.carpet.strands_per_tuft", "3"},
-                      {"numerics.step_safety", "0.8"},
                       {"turf.carpet.element_length", "8 mm"},
                       {"turf.carpet.backing_element", "9 mm"},
                       {"scene.duration", "20 ms"},

@@ -19,8 +19,7 @@ Overrides dem(const Overrides& more) {
 
 TEST(DemDrop, IsAPulseWithEnergyAndMomentumInBalance) {
   RunRequest request;
-  // Coarser grains take longer steps, and contact with fibres errs in proportion to the step.
-  request.scene = coarse_scene(dem({{"numerics.step_safety", "0.3"}, {"scene.duration", "14 ms"}}));
+  request.scene = coarse_scene(dem({{"scene.duration", "14 ms"}}));
   request.folder = fresh_folder("dem-pulse");
   const RunSummary s = run(request);
   ASSERT_EQ(s.status, "completed") << s.error;

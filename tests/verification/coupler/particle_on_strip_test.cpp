@@ -28,7 +28,32 @@ fe::ShellMesh strip(int n, double length, double width, double thickness, bool c
   return mesh;
 }
 
+/// A held bowl of 7 x 7 facets of 2 mm: a pyramid standing on its tip, its nodes shifted so that every facet
+/// is warped and has a fold along its diagonal.
+fe::ShellMesh bowl(double thickness) {
+  constexpr int n = 7;
+  fe::ShellMesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = 0.002 * (i - 0.5 * n), y = 0.002 * (j - 0.5 * n);
+      const double shift = 3e-4 * std::sin(2.1 * i + 3.7 * j);
+      mesh.nodes.push_back(Vec3(x, y, 0.8 * (std::abs(x) + std::abs(y)) + shift));
+      mesh.clamped.push_back(1);
+    }
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      const Index a = j * (n + 1) + i;
+      mesh.quads.push_back({a, a + 1, a + n + 2, a + n + 1});
+      mesh.thickness.push_back(thickness);
+      mesh.material.push_back(0);
+      mesh.surface.push_back(1);
+    }
+  mesh.surface_count = 2;
+  return mesh;
+}
+
 struct StripCase {
+  bool in_bowl = false;
   bool clamp = false;
   double damping_ratio = 0;
   FrictionLaw friction{0.4, 0.6, 300};
@@ -44,8 +69,9 @@ Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
   fe::CarpetOptions options;
   options.gravity = setup.gravity;
   infill->gravity = setup.gravity;
-  parts.carpet = std::make_unique<fe::Carpet>(strip(10, 0.04, 0.004, 5e-4, setup.clamp),
-                                              std::vector<ShellMaterial>{{0.36e9, 0.3, 920}}, options);
+  parts.carpet =
+      std::make_unique<fe::Carpet>(setup.in_bowl ? bowl(5e-4) : strip(10, 0.04, 0.004, 5e-4, setup.clamp),
+                                   std::vector<ShellMaterial>{{0.36e9, 0.3, 920}}, options);
   const std::size_t n = infill->mass_.size(), nodes = parts.carpet->nodes().x.size();
   parts.particle_shell.stiffness.assign(n, setup.coupling_particle_stiffness);
   parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
@@ -127,6 +153,57 @@ TEST(BallsOnAStrip, EnergyErrorFallsWithTheStep) {
     error[k++] = s.ledger().largest_error();
   }
   EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+TEST(BallInABowl, RattlesBetweenTheWallsWithoutGainOrLossOfEnergy) {
+  // No friction, no damping, all nodes held: kinetic energy, weight and the springs' energy are all there is.
+  // A direction that jumps from wall to wall, or over the fold of a warped facet, would feed energy in at
+  // every crossing.
+  auto ball = std::make_unique<PointInfill>();
+  ball->add(Vec3(0.001, 0.0002, 0.005), Vec3(0.3, 0.2, -1), 0.002, 2e-5);
+  StripCase setup;
+  setup.in_bowl = true;
+  setup.friction = {0, 0, 0};
+  setup.gravity = Vec3(0, 0, -1000);  // keeps it in the bowl
+  setup.coupling_particle_stiffness = 1000;
+  setup.window = 1e-6;  // omega dt = 0.007
+  setup.release = false;
+  Simulation s = make(setup, std::move(ball));
+  double sideways = 0, farthest = 0, imbalance = 0;
+  for (int i = 0; i < 3000; ++i) {
+    s.advance_interval(2e-5);
+    const ParticleView p = s.infill().particles();
+    sideways += std::hypot(p.vx[0], p.vy[0]) * 2e-5;
+    farthest = std::max(farthest, std::hypot(p.x[0], p.y[0]));
+    imbalance = std::max(imbalance, std::abs(s.ledger().imbalance()));
+  }
+  ASSERT_GT(sideways, 0.01) << "it did rattle";
+  ASSERT_LT(farthest, 0.007) << "and stayed in the bowl";
+  const double scale = 2e-5 * (0.5 * 1.13 + 1000 * 0.003);  // what it starts with above its lowest place
+  EXPECT_LT(imbalance, 1e-3 * scale) << "at no time in some thousand crossings";
+}
+
+TEST(WindowOfSeveralInfillSteps, BooksWorkOverTheWindowsDisplacementSoThatTheErrorFallsWithTheWindow) {
+  double error[2], lost[2];
+  int k = 0;
+  for (const double window : {1e-6, 2.5e-7}) {
+    auto balls = three_balls(2);
+    balls->step = 0.3 * window;
+    StripCase setup;
+    setup.clamp = true;
+    setup.damping_ratio = 0.1;
+    setup.gravity = Vec3(0, 0, -9.81);
+    setup.window = window;
+    Simulation s = make(setup, std::move(balls));
+    for (int i = 0; i < 100; ++i) s.advance_interval(4e-5);
+    ASSERT_GE(s.step_plan().infill_substeps, 4);
+    error[k] = s.ledger().largest_error();
+    lost[k] = s.ledger().last().contact_damping + s.ledger().last().contact_friction;
+    ++k;
+  }
+  EXPECT_LT(error[0], 0.03) << "omega dt = 0.1 for the lightest ball: the force is held while it moves on";
+  EXPECT_LT(error[1], 0.4 * error[0]);
+  EXPECT_NEAR(lost[1], lost[0], 0.1 * lost[0]);
 }
 
 TEST(InitialOverlap, IsLetGoGentlyAndCounted) {

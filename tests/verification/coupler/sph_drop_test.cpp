@@ -52,7 +52,7 @@ TEST(SphDrop, HalvingTheStepChangesThePeakByUnderOnePercent) {
     RunRequest request;
     request.scene = read_scene("inputs/clegg_small.toml", {{"scene.duration", "15 ms"},
                                                            {"output.frames", "5 ms"},
-                                                           {"numerics.step_safety", half ? "0.3" : "0.6"}});
+                                                           {"numerics.step_safety", half ? "0.4" : "0.8"}});
     request.folder = fresh_folder(half ? "step-half" : "step-whole");
     const RunSummary summary = run(request);
     ASSERT_EQ(summary.status, "completed") << summary.error;

@@ -12,6 +12,11 @@ constexpr double pitch = 0.002;
 struct Case {
   test::Preset preset;
   double jitter, squeeze;
+
+  friend void PrintTo(const Case& c, std::ostream* os) {
+    PrintTo(c.preset, os);
+    *os << " jitter " << c.jitter << " squeeze " << c.squeeze;
+  }
 };
 
 /// Random velocities in a free elastic cube without viscosity: the kinetic energy falls by half and stays, or
