@@ -35,7 +35,7 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
       const Index i = key_point(keys_[g]);
       const double overlap =
           points.radius[i] - surface_point(bodies[key_other(keys_[g])], points.position(i), 0).distance;
-      histories_[g].offset = std::max(0.0, overlap);
+      histories_[g].offset = std::sqrt(settings_.stiffness[i]) * std::max(0.0, overlap);
       // Rounding of a lattice against a wall is not an overlap.
       if (overlap > 1e-9 * points.radius[i]) ++initial_overlap_.pairs;
       initial_overlap_.largest = std::max(initial_overlap_.largest, overlap);
@@ -56,7 +56,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double overlap = points.radius[i] - surface.distance;
   ContactKinematics kinematics;
-  kinematics.overlap = overlap - history.offset * release;
+  const double root = std::sqrt(parameters.stiffness);
+  kinematics.overlap = overlap - history.offset / root * release;
   if (!(kinematics.overlap > 0)) {
     result.contact.friction = release_spring(history);
     if (overlap <= 0) history.offset = 0;
@@ -65,10 +66,11 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   kinematics.normal = surface.normal;
   result.arm = -points.radius[i] * surface.normal;
   kinematics.velocity = points.velocity(i) + points.spin(i).cross(result.arm) - body.velocity;
+  kinematics.closing = -kinematics.velocity.dot(kinematics.normal);
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
   result.contact = compute_contact_force(parameters, kinematics, dt, history);
-  result.released =
-      release_work(parameters.stiffness, kinematics.overlap, history.offset * (release_before - release));
+  result.released = release_work(parameters.stiffness, kinematics.overlap,
+                                 history.offset / root * (release_before - release));
   result.touching = true;
   return result;
 }

@@ -25,24 +25,27 @@ struct ContactHistory {
   /// energy it holds, whatever becomes of the stiffness as the contact moves from element to element.
   Vec3 spring{0, 0, 0};
   Vec3 tangential{0, 0, 0};  ///< N, tangential force at the last step
-  Vec3 dashpot{0, 0, 0};     ///< N, normal force beyond the spring's at the last step
-  double offset = 0;         ///< m, initial overlap not yet let go
-  double side = 0;           ///< +1 or -1: side of a shell the particle came from; 0 while apart
-  double distance = 0;       ///< m, of the centre from the shell on that side when last looked at, < 0 beyond
+  double dashpot = 0;   ///< N, what the overlap is pushed with beyond the spring's force at the last step
+  double offset = 0;    ///< J^1/2, initial overlap not yet let go, times the root of the stiffness
+  double side = 0;      ///< +1 or -1: side of a shell the particle came from; 0 while apart
+  double distance = 0;  ///< m, of the centre from the shell on that side when last looked at, < 0 beyond
 };
 
-/// One moment of a contact. `normal` is a unit vector from the other body towards the particle.
+/// One moment of a contact whose potential is k D^2/2 of an overlap D. `normal` is a unit vector from the
+/// other body towards the particle.
 struct ContactKinematics {
-  double overlap = 0;  ///< m, > 0, after the offset is taken off
+  double overlap = 0;  ///< m, D > 0, after the offset is taken off
   Vec3 normal{0, 0, 1};
   Vec3 velocity{0, 0, 0};     ///< m/s, particle relative to the other, at the contact point
-  double effective_mass = 0;  ///< kg, 1 / (1/m1 + 1/m2)
-  double gradient = 1;        ///< size of the overlap's gradient: not 1 where facets share a contact
+  double effective_mass = 0;  ///< kg, 1 / (1/m1 + 1/m2), of motion along D
+  double closing = 0;         ///< m/s, rate at which D grows
+  double gradient = 1;        ///< |grad D|, >= 0: 1 but where facets share a contact
 };
 
 /// Energies are of this contact alone: `elastic` is a state, the others happened over the step.
 struct ContactForce {
   Vec3 force{0, 0, 0};  ///< N on the particle
+  double pressed = 0;   ///< N, normal part of the force over the overlap's gradient
   double elastic = 0;   ///< J, normal and tangential springs
   double damped = 0;    ///< J
   double friction = 0;  ///< J
@@ -78,28 +81,27 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
          (law.static_coefficient - law.dynamic_coefficient) * std::exp(-law.decay * speed);
 }
 
-/// Normal: N = max(0, k d + c v_in), c = 2 zeta sqrt(k m). No adhesion: the dashpot can take the spring's
-/// force away but never pull. Tangential: spring and dashpot against the slip since touch, cut at mu(v) N;
-/// the spring follows the cut, so that reversal starts from a loaded spring. The spring is turned into the
-/// present tangent plane.
+/// Along D: P = max(0, k D + c D'), c = 2 zeta sqrt(k m), and the particle feels -P grad D. No adhesion: the
+/// dashpot can take the spring's force away but never pull. Tangential: spring and dashpot against the slip
+/// since touch, cut at mu(v) N, N = P |grad D|; the spring follows the cut, so that reversal starts from a
+/// loaded spring. The spring is turned into the present tangent plane.
 ///
 /// Work is booked over the displacement that led here, v dt with the velocity half a step ago, under the mean
-/// of the forces before and after it, each with its own direction. Summed over steps that is exactly the work
-/// which leapfrog's kicks do, sum F_k (v_k-1/2 + v_k+1/2)/2 dt; booked with this step's force alone, light
-/// nodes under strong friction would seem to lose more than they had.
+/// of the forces before and after it. Summed over the steps of a contact that is the work which leapfrog's
+/// kicks do, sum F_k (v_k-1/2 + v_k+1/2)/2 dt, but for the turn of the contact within a step; booked with
+/// this step's force alone, light nodes under strong friction would seem to lose more than they had.
 inline ContactForce compute_contact_force(const ContactParameters& p, const ContactKinematics& c, double dt,
                                           ContactHistory& history) {
   ContactForce result;
-  const double closing = -c.velocity.dot(c.normal);
   const double dashpot = 2.0 * p.damping_ratio * std::sqrt(p.stiffness * c.effective_mass);
-  const double spring_force = p.stiffness * c.overlap * c.gradient;
-  const double normal_force = std::max(0.0, spring_force + dashpot * closing);
-  const Vec3 beyond_spring = (normal_force - spring_force) * c.normal;
-  result.damped = -0.5 * (history.dashpot + beyond_spring).dot(c.velocity) * dt;
+  const double spring_force = p.stiffness * c.overlap;
+  const double pressed = std::max(0.0, spring_force + dashpot * c.closing);
+  const double beyond_spring = pressed - spring_force, normal_force = pressed * c.gradient;
+  result.damped = 0.5 * (history.dashpot + beyond_spring) * c.closing * dt;
   history.dashpot = beyond_spring;
 
   const double root = std::sqrt(p.tangential_ratio * p.stiffness);
-  const Vec3 slip_velocity = c.velocity + closing * c.normal;
+  const Vec3 slip_velocity = c.velocity - c.velocity.dot(c.normal) * c.normal;
   Vec3 spring = history.spring - history.spring.dot(c.normal) * c.normal;
   const double turned = spring.squaredNorm(), length = history.spring.squaredNorm();
   if (turned > 0) spring *= std::sqrt(length / turned);
@@ -120,6 +122,7 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
   result.friction = -0.5 * (history.tangential + tangential).dot(c.velocity) * dt - (stored - stored_before);
   history.tangential = tangential;
   result.elastic = 0.5 * p.stiffness * c.overlap * c.overlap + stored;
+  result.pressed = pressed;
   result.force = normal_force * c.normal + tangential;
   return result;
 }
@@ -127,7 +130,8 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
 /// Energy that the tangential spring of a contact loses when the two part: it goes to friction.
 inline double release_spring(ContactHistory& history) {
   const double stored = 0.5 * history.spring.squaredNorm();
-  history.spring = history.tangential = history.dashpot = Vec3(0, 0, 0);
+  history.spring = history.tangential = Vec3(0, 0, 0);
+  history.dashpot = 0;
   return stored;
 }
 

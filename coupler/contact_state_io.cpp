@@ -2,7 +2,7 @@
 
 namespace tuft::coupler {
 namespace {
-constexpr std::size_t history_numbers = 12;
+constexpr std::size_t history_numbers = 10;
 }
 
 void save_pairs(h5::Group& group, const std::vector<PairKey>& keys,
@@ -12,7 +12,7 @@ void save_pairs(h5::Group& group, const std::vector<PairKey>& keys,
   for (const ContactHistory& h : histories) {
     for (int axis = 0; axis < 3; ++axis) flat.push_back(h.spring[axis]);
     for (int axis = 0; axis < 3; ++axis) flat.push_back(h.tangential[axis]);
-    for (int axis = 0; axis < 3; ++axis) flat.push_back(h.dashpot[axis]);
+    flat.push_back(h.dashpot);
     flat.push_back(h.offset);
     flat.push_back(h.side);
     flat.push_back(h.distance);
@@ -27,8 +27,7 @@ void load_pairs(const h5::Group& group, std::vector<PairKey>& keys, std::vector<
   histories.assign(keys.size(), {});
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const double* h = &flat.at(i * history_numbers);
-    histories[i] = {
-        Vec3(h[0], h[1], h[2]), Vec3(h[3], h[4], h[5]), Vec3(h[6], h[7], h[8]), h[9], h[10], h[11]};
+    histories[i] = {Vec3(h[0], h[1], h[2]), Vec3(h[3], h[4], h[5]), h[6], h[7], h[8], h[9]};
   }
 }
 

@@ -10,30 +10,36 @@ std::vector<double> layer_tops(const ParticleView& particles, std::array<double,
                                std::size_t layers) {
   std::vector<double> tops(layers, 0.0);
   if (particles.size() == 0) return tops;
-  double radius = 0;
-  for (const double r : particles.radius) radius += r / static_cast<double>(particles.size());
-  const auto cells = [&](double length) {
-    return std::max<std::size_t>(1, static_cast<std::size_t>(length / (4 * radius)));
-  };
-  const std::size_t nx = cells(size[0]), ny = cells(size[1]);
-  const auto cell = [](double x, double length, std::size_t count) {
-    const double place = (x / length + 0.5) * static_cast<double>(count);
-    return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(count) - 1));
-  };
   constexpr double nothing = -std::numeric_limits<double>::infinity();
-  std::vector<double> highest(nx * ny, nothing);
   for (std::size_t layer = 0; layer < layers; ++layer) {
+    double radius = 0, count = 0;
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      if (particles.layer[i] == static_cast<Index>(layer)) {
+        radius += particles.radius[i];
+        ++count;
+      }
+    if (count == 0) {
+      tops[layer] = layer > 0 ? tops[layer - 1] : 0;
+      continue;
+    }
+    const double side = 4 * radius / count;
+    const auto nx = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(size[0] / side));
+    const auto ny = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(size[1] / side));
+    std::vector<double> highest(static_cast<std::size_t>(nx * ny), nothing);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      if (particles.layer[i] != static_cast<Index>(layer)) continue;
-      double& top = highest[cell(particles.x[i], size[0], nx) * ny + cell(particles.y[i], size[1], ny)];
+      if (particles.layer[i] > static_cast<Index>(layer)) continue;
+      const auto cx =
+          static_cast<std::ptrdiff_t>(std::floor((particles.x[i] / size[0] + 0.5) * static_cast<double>(nx)));
+      const auto cy =
+          static_cast<std::ptrdiff_t>(std::floor((particles.y[i] / size[1] + 0.5) * static_cast<double>(ny)));
+      if (cx < 0 || cx >= nx || cy < 0 || cy >= ny) continue;
+      double& top = highest[static_cast<std::size_t>(cx * ny + cy)];
       top = std::max(top, particles.z[i] + particles.radius[i]);
     }
-    std::vector<double> filled;
-    for (const double top : highest)
-      if (top > nothing) filled.push_back(top);
-    if (filled.empty()) continue;
-    const auto middle = filled.begin() + static_cast<std::ptrdiff_t>(filled.size() / 2);
-    std::nth_element(filled.begin(), middle, filled.end());
+    std::erase(highest, nothing);
+    if (highest.empty()) continue;
+    const auto middle = highest.begin() + static_cast<std::ptrdiff_t>(highest.size() / 2);
+    std::nth_element(highest.begin(), middle, highest.end());
     tops[layer] = *middle - floor;
   }
   return tops;

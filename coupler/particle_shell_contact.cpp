@@ -5,20 +5,9 @@
 
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
+#include "coupler/fastest.h"
 
 namespace tuft::coupler {
-namespace {
-
-double fastest(std::span<const double> x, std::span<const double> y, std::span<const double> z) {
-  double squared = 0;
-#pragma omp simd reduction(max : squared)
-  for (std::size_t i = 0; i < x.size(); ++i)
-    squared = std::max(squared, x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-  return std::sqrt(squared);
-}
-
-}  // namespace
-
 void ParticleShellContact::Block::clear() {
   particles.clear();
   facets.clear();
@@ -78,33 +67,36 @@ void ParticleShellContact::choose_side(double touching, ContactHistory& history,
   if (present_side != history.side) overlap.take_as_passed();
 }
 
-ContactKinematics ParticleShellContact::kinematics_of(Index p, const Moment& now, const Vec3& arm,
-                                                      const SoftOverlap& overlap,
-                                                      const Vec3& direction) const {
+ContactKinematics ParticleShellContact::kinematics_of(Index p, const Moment& now, double radius,
+                                                      const SoftOverlap& overlap) const {
   const fe::NodeView& nodes = now.nodes;
+  const Vec3 direction = overlap.direction();
+  ContactKinematics kinematics;
+  kinematics.gradient = direction.norm();
+  // Pinched evenly from both sides there is no net push, and any normal serves.
+  kinematics.normal =
+      kinematics.gradient > 1e-9 ? Vec3(direction / kinematics.gradient) : overlap.parts[0].normal;
   Vec3 shell_velocity(0, 0, 0);
-  double along = 0, inverse_shell_mass = 0;
+  double inverse_mass = direction.squaredNorm() / now.particles.mass[p];
+  double of_shell = 0;  // what the shell's motion adds to the overlap
   for (std::size_t i = 0; i < overlap.count; ++i) {
     const SurfacePart& part = overlap.parts[i];
     const auto& quad = mesh_.quads[part.element];
     Vec3 velocity(0, 0, 0);
+    double inverse_part_mass = 0;
     for (int c = 0; c < 4; ++c) {
       const double w = part.at.weight[c];
       velocity += w * Vec3(nodes.vx[quad[c]], nodes.vy[quad[c]], nodes.vz[quad[c]]);
-      inverse_shell_mass += part.share * w * w / node_mass_[quad[c]];
+      inverse_part_mass += w * w / node_mass_[quad[c]];
     }
     shell_velocity += part.share * velocity;
-    along += part.slope * part.normal.dot(velocity);
+    of_shell += part.slope * part.normal.dot(velocity);
+    inverse_mass += part.slope * part.slope * inverse_part_mass;
   }
-  ContactKinematics kinematics;
-  kinematics.gradient = direction.norm();
-  kinematics.normal = direction / kinematics.gradient;
-  const Vec3 of_particle = now.particles.velocity(p) + now.particles.spin(p).cross(arm);
-  const Vec3 slip = of_particle - shell_velocity;
-  // Along the normal, the rate of the overlap itself: what each facet takes of the push times its own motion.
-  const double parting = of_particle.dot(kinematics.normal) - along / kinematics.gradient;
-  kinematics.velocity = slip + (parting - slip.dot(kinematics.normal)) * kinematics.normal;
-  kinematics.effective_mass = 1.0 / (1.0 / now.particles.mass[p] + inverse_shell_mass);
+  const Vec3 arm = -radius * kinematics.normal;
+  kinematics.velocity = now.particles.velocity(p) + now.particles.spin(p).cross(arm) - shell_velocity;
+  kinematics.closing = of_shell - direction.dot(now.particles.velocity(p));
+  kinematics.effective_mass = 1.0 / inverse_mass;
   return kinematics;
 }
 
@@ -118,37 +110,34 @@ void ParticleShellContact::evaluate_pair(std::size_t pair, const Moment& now, Bl
     block.energy.friction += release_spring(history);
     history.side = 0;
     history.offset = 0;
-    apart_until_[pair] = travel_.sum + overlap.gap;
+    if (settings_.skip_pairs_apart) apart_until_[pair] = travel_.sum + overlap.gap;
     return;
   }
   choose_side(touching, history, overlap);
-  const Vec3 direction = overlap.direction();
-  const double depth = overlap.value - history.offset * now.release;
-  if (!(depth > 0) || !(direction.squaredNorm() > 1e-12)) {
+  const double root = overlap.parts[0].root, stiffness = root * root;
+  const double depth = overlap.value - history.offset / root * now.release;
+  if (!(depth > 0)) {
     block.energy.friction += release_spring(history);
     return;
   }
   const double radius = now.particles.radius[p] * settings_.radius_factor;
-  const Vec3 arm = -radius * direction.normalized();
-  ContactKinematics kinematics = kinematics_of(p, now, arm, overlap, direction);
+  ContactKinematics kinematics = kinematics_of(p, now, radius, overlap);
   kinematics.overlap = depth;
-  const ContactParameters parameters{overlap.parts[0].root * overlap.parts[0].root,
-                                     settings_.damping_ratio[p], 0.5, settings_.friction[p]};
+  const ContactParameters parameters{stiffness, settings_.damping_ratio[p], 0.5, settings_.friction[p]};
   const ContactForce contact = compute_contact_force(parameters, kinematics, now.dt, history);
   block.energy.elastic += contact.elastic;
   block.energy.damped += contact.damped;
   block.energy.friction += contact.friction;
   block.energy.released +=
-      release_work(parameters.stiffness, depth, history.offset * (now.release_before - now.release));
-  block.softening += settings_.stiffness[p] / parameters.stiffness;
-  block.particles.push_back({contact.force, arm, p});
+      release_work(stiffness, depth, history.offset / root * (now.release_before - now.release));
+  block.softening += settings_.stiffness[p] / stiffness;
+  block.particles.push_back({contact.force, -radius * kinematics.normal, p});
   // Each facet takes its own normal's part of the push, which is what the overlap's energy asks for.
-  const double push = contact.force.dot(kinematics.normal);
-  const Vec3 along = contact.force - push * kinematics.normal;
+  const Vec3 along = contact.force - contact.force.dot(kinematics.normal) * kinematics.normal;
   for (std::size_t i = 0; i < overlap.count; ++i) {
     const SurfacePart& part = overlap.parts[i];
-    block.facets.push_back({push / kinematics.gradient * part.slope * part.normal + part.share * along,
-                            part.at.weight, part.element});
+    block.facets.push_back(
+        {contact.pressed * part.slope * part.normal + part.share * along, part.at.weight, part.element});
   }
 }
 
@@ -186,7 +175,6 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
   energy_.elastic = 0;
   touching_ = 0;
   double softening = 0;
-  Vec3 given(0, 0, 0);
   for (const Block& block : blocks_) {
     energy_ += block.energy;
     softening += block.softening;
@@ -195,14 +183,12 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
       const Vec3 impulse = of.force * dt;
       impulses.linear.add(of.particle, impulse);
       impulses.angular.add(of.particle, of.arm.cross(impulse));
-      given += impulse;
     }
     for (const FacetForce& of : block.facets) {
       const auto& quad = mesh_.quads[of.element];
       for (int c = 0; c < 4; ++c) node_force.add(quad[c], -of.weight[c] * of.force);
     }
   }
-  impulse_given_ += given;
   softening_ = touching_ > 0 ? softening / static_cast<double>(touching_) : 1.0;
 }
 

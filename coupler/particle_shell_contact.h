@@ -1,7 +1,7 @@
 #pragma once
-/// Contact of infill particles with the carpet's shells. A particle touches each surface (the backing, each
-/// strand) at its nearest point only, so that neighbouring elements of one strand do not push twice, and the
-/// memory of a contact (slip, side) follows it from element to element.
+/// Contact of infill particles with the carpet's shells. A particle makes one contact with each surface (the
+/// backing, each strand), shared by all triangles of it that it overlaps (soft_overlap.h), and the memory of
+/// a contact (slip, side) follows it from element to element.
 #include <array>
 #include <span>
 #include <vector>
@@ -20,10 +20,12 @@ struct ParticleShellSettings {
   double radius_factor = 1;           ///< contact radius for shells over the particle's radius
   /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness),
   /// for a particle that covers a whole element; one that covers less, (2r)^2 of the element's area, gets as
-  /// much less. However densely both faces are covered, the sum over a node's contacts then stays under 1.6
-  /// times the share (1.6: over a corner of six triangles, soft_overlap.h), and its omega^2 dt^2 under
-  /// s^2 (4 + 1.6 share) at step safety s, which is under 4 up to s = 0.9 (docs/theory/contact.md).
+  /// much less. However densely both faces are covered, the sum over a node's contacts then stays under 4.2
+  /// times the share (4.2: two triangles traded for each other, soft_overlap.h), and its omega^2 dt^2 under
+  /// s^2 (4 + 4.2 share) at step safety s: under 4 up to s = 0.81 (docs/theory/contact.md).
   double shell_share = 0.5;
+  /// Leave out pairs until the largest speeds could have closed their gap. Changes no result, only the time.
+  bool skip_pairs_apart = true;
 };
 
 [[nodiscard]] inline std::array<Vec3, 4> facet_corners(const fe::NodeView& nodes,
@@ -56,8 +58,6 @@ class ParticleShellContact {
   /// Mean over touching pairs of material penalty over penalty used, >= 1: how much softer the bound made
   /// contact.
   [[nodiscard]] double softening() const { return softening_; }
-  /// Sum of impulses given to particles since the start, N s, and of their absolute values.
-  [[nodiscard]] Vec3 impulse_given() const { return impulse_given_; }
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);
@@ -97,8 +97,8 @@ class ParticleShellContact {
   /// The side rule: which side of the surface the particle is on, and the overlap from there.
   void choose_side(double touching, ContactHistory& history, SoftOverlap& overlap) const;
   /// Motion of particle and shell at the contact point, and the mass that resists.
-  [[nodiscard]] ContactKinematics kinematics_of(Index particle, const Moment& now, const Vec3& arm,
-                                                const SoftOverlap& overlap, const Vec3& direction) const;
+  [[nodiscard]] ContactKinematics kinematics_of(Index particle, const Moment& now, double radius,
+                                                const SoftOverlap& overlap) const;
   [[nodiscard]] double stiffness(Index particle, double radius, Index element) const;
   /// Farthest that any particle and any node can have closed in on each other since the last call, added up.
   void advance_travel(const Moment& now);
@@ -133,7 +133,6 @@ class ParticleShellContact {
   bool searched_ = false;
   std::size_t touching_ = 0;
   double softening_ = 1;
-  Vec3 impulse_given_{0, 0, 0};
 };
 
 }  // namespace tuft::coupler

@@ -107,8 +107,8 @@ void ParticleShellContact::record_initial_overlap(const ParticleView& particles,
   SoftOverlap overlap;
   for (std::size_t g = 0; g < keys_.size(); ++g) {
     find_overlap(g, particles.position(key_point(keys_[g])), particles, nodes, overlap);
-    histories_[g].offset = overlap.value;
     if (overlap.count == 0) continue;
+    histories_[g].offset = overlap.parts[0].root * overlap.value;
     ++initial_overlap_.pairs;
     initial_overlap_.largest = std::max(initial_overlap_.largest, overlap.parts[0].overlap);
   }

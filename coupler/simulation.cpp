@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "coupler/fastest.h"
 
 namespace tuft::coupler {
 namespace {
@@ -153,6 +154,9 @@ void Simulation::advance_window() {
 ParticleView Simulation::contact_view() const {
   ParticleView view = parts_.infill->particles();
   if (!windowed_) return view;
+  view.x = window_position_.x;
+  view.y = window_position_.y;
+  view.z = window_position_.z;
   view.vx = window_velocity_.x;
   view.vy = window_velocity_.y;
   view.vz = window_velocity_.z;
@@ -167,28 +171,38 @@ ParticleView Simulation::contact_view() const {
 AdvanceReport Simulation::advance_infill() {
   const int substeps = plan_.infill_substeps;
   if (substeps == 1) {
+    if (windowed_) reference_.valid = false;  // contact's view of positions jumps by what it was ahead
     windowed_ = false;
     return parts_.infill->advance(plan_.window, 1, impulses_);
   }
   const ParticleView before = parts_.infill->particles();
-  const std::size_t count = before.size();
   const auto copy = [](std::span<const double> from, std::vector<double>& to) {
     to.assign(from.begin(), from.end());
   };
-  copy(before.x, window_velocity_.x);
-  copy(before.y, window_velocity_.y);
-  copy(before.z, window_velocity_.z);
+  if (!windowed_) {
+    copy(before.x, window_position_.x);
+    copy(before.y, window_position_.y);
+    copy(before.z, window_position_.z);
+    window_velocity_.assign(before.size(), 0.0);
+    reference_.valid = false;
+  }
   copy(before.wx, window_spin_.x);
   copy(before.wy, window_spin_.y);
   copy(before.wz, window_spin_.z);
   const AdvanceReport report = parts_.infill->advance(plan_.window, substeps, impulses_);
   const ParticleView after = parts_.infill->particles();
-  const auto mean = [&](std::vector<double>& old, std::span<const double> now) {
-    for (std::size_t i = 0; i < count; ++i) old[i] = (now[i] - old[i]) / plan_.window;
+  const double ahead = (substeps - 1.0) / (2.0 * substeps) * plan_.window;
+  const auto follow = [&](std::vector<double>& position, std::vector<double>& velocity,
+                          std::span<const double> x, std::span<const double> v) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double now = x[i] + ahead * v[i];
+      velocity[i] = (now - position[i]) / plan_.window;
+      position[i] = now;
+    }
   };
-  mean(window_velocity_.x, after.x);
-  mean(window_velocity_.y, after.y);
-  mean(window_velocity_.z, after.z);
+  follow(window_position_.x, window_velocity_.x, after.x, after.vx);
+  follow(window_position_.y, window_velocity_.y, after.y, after.vy);
+  follow(window_position_.z, window_velocity_.z, after.z, after.vz);
   // Spins have no displacement to measure. Under an even torque they rise by equal amounts: the mean of the n
   // values in the window is the old one plus (n + 1)/2n of the rise.
   const double share = (substeps + 1.0) / (2.0 * substeps);
@@ -205,8 +219,12 @@ AdvanceReport Simulation::advance_infill() {
 void Simulation::step_carpet() {
   const int substeps = carpet_frozen_ ? 1 : plan_.carpet_substeps;
   const double dt = plan_.window / substeps;
+  // Particles and bodies answer to the window's forces with one kick at its start. So they are looked at
+  // along their velocity on both sides of that moment evenly: looked at ahead only, every spring would be
+  // damped.
+  const double middle = 0.5 * (substeps - 1) * dt;
   for (int s = 0; s < substeps; ++s) {
-    const double ahead = s * dt, now = time_ + ahead;
+    const double ahead = s * dt - middle, now = time_ + s * dt;
     zero(node_force_);
     {
       const ScopedPhase phase(timers_, Phase::contact);
@@ -251,11 +269,12 @@ double Simulation::moved_since_search() const {
 void Simulation::check_candidates() {
   const ScopedPhase phase(timers_, Phase::search);
   if (reference_.valid) {
-    const double moved = moved_since_search();
-    // What moved in the last window may move again, twice as far, before the next look.
-    const double margin = 2 * std::max(0.0, moved - reference_.last_moved);
-    reference_.last_moved = moved;
-    if (moved + margin < parts_.skin) return;
+    const ParticleView p = parts_.infill->particles();
+    const fe::NodeView n = parts_.carpet->nodes();
+    double speed = fastest(p.vx, p.vy, p.vz) + fastest(n.vx, n.vy, n.vz);
+    for (const RigidBody& body : parts_.bodies) speed += body.velocity.norm();
+    // The coming window moves everything on before the next look; twice, for what speeds up in it.
+    if (moved_since_search() + 2 * speed * plan_.window < parts_.skin) return;
   }
   remember_reference();
   search(parts_.infill->particles(), parts_.carpet->nodes());
@@ -275,7 +294,6 @@ void Simulation::remember_reference() {
   copy(n.z, reference_.nodes.z);
   reference_.bodies.assign(parts_.bodies.size(), 0.0);
   for (std::size_t b = 0; b < parts_.bodies.size(); ++b) reference_.bodies.set(b, parts_.bodies[b].position);
-  reference_.last_moved = 0;
   reference_.valid = true;
 }
 

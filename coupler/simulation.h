@@ -89,8 +89,7 @@ class Simulation {
   void check_candidates();
   void search(const ParticleView& particles, const fe::NodeView& nodes);
   void remember_reference();
-  /// The infill as contact sees it: with velocities that are the displacement of the last window over its
-  /// length.
+  /// The infill as contact sees it, see `window_position_`.
   [[nodiscard]] ParticleView contact_view() const;
   AdvanceReport advance_infill();
   [[nodiscard]] double moved_since_search() const;
@@ -110,10 +109,12 @@ class Simulation {
   StepPlan plan_;
 
   Vec3Array node_force_;
-  /// Leapfrog velocities of the window, half a window before t, kept where the infill takes several steps in
-  /// one: its own velocity belongs to the last of them. Work booked with that one would be that of another
-  /// displacement.
-  Vec3Array window_velocity_, window_spin_;
+  /// Where the infill takes n > 1 steps in a window W, contact sees it a little ahead, at
+  /// x + (n-1)/2n W v: the middle of the kicks that the window's impulse is spread over. With the force taken
+  /// at x an even impulse feeds energy in; taken there, a spring keeps its energy as under a single kick
+  /// (docs/theory/contact.md). Velocities are the change of these positions over the window, so that the work
+  /// booked is that of the displacement which contact saw.
+  Vec3Array window_position_, window_velocity_, window_spin_;
   bool windowed_ = false;
   ContactImpulses impulses_;
   BodyImpulses body_impulses_;
@@ -121,7 +122,6 @@ class Simulation {
 
   struct Reference {  ///< where everything stood at the last search
     Vec3Array particles, nodes, bodies;
-    double last_moved = 0;
     bool valid = false;
   } reference_;
 

@@ -70,7 +70,6 @@ void Simulation::save(h5::Group& group) {
                                     momentum_error_,
                                     largest_exchange_,
                                     largest_imbalance_,
-                                    reference_.last_moved,
                                     carpet_reference_,
                                     infill_reference_,
                                     referenced_ ? 1.0 : 0.0};
@@ -94,6 +93,7 @@ void Simulation::save(h5::Group& group) {
   group.write_scalar("windowed", static_cast<std::uint64_t>(windowed_ ? 1 : 0));
   if (windowed_) {
     auto window = group.create_group("window");
+    write_components(window, "position", window_position_);
     write_components(window, "velocity", window_velocity_);
     write_components(window, "spin", window_spin_);
   }
@@ -121,9 +121,9 @@ void Simulation::load(const h5::Group& group) {
   momentum_error_ = numbers.at(5);
   largest_exchange_ = numbers.at(6);
   largest_imbalance_ = numbers.at(7);
-  carpet_reference_ = numbers.at(9);
-  infill_reference_ = numbers.at(10);
-  referenced_ = numbers.at(11) != 0;
+  carpet_reference_ = numbers.at(8);
+  infill_reference_ = numbers.at(9);
+  referenced_ = numbers.at(10) != 0;
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");
@@ -145,13 +145,14 @@ void Simulation::load(const h5::Group& group) {
   ledger_.load(group.open_group("ledger"));
   windowed_ = group.read_count("windowed") != 0;
   if (windowed_) {
+    window_position_ = read_components(group.open_group("window"), "position");
     window_velocity_ = read_components(group.open_group("window"), "velocity");
     window_spin_ = read_components(group.open_group("window"), "spin");
   }
   if (group.read_count("reference_valid") == 0) return;
   const auto reference = group.open_group("reference");
   reference_ = {read_components(reference, "particles"), read_components(reference, "nodes"),
-                read_components(reference, "bodies"), numbers.at(8), true};
+                read_components(reference, "bodies"), true};
   // The candidate lists are made again from where everything stood when they were made first, so that
   // contacts are evaluated and summed in the same order as if the run had never stopped.
   ParticleView particles = parts_.infill->particles();

@@ -17,16 +17,16 @@ struct SurfacePart {
   double nearness = 0;   ///< m, of the centre, >= 0
   double overlap = 0;    ///< m, of the ball with this triangle alone
   double root = 0;       ///< (N/m)^1/2, of the triangle's penalty stiffness
-  double slope = 0;      ///< d(overlap of all)/d(overlap of this), > 0
+  double slope = 0;      ///< d(overlap of all)/d(overlap of this), >= 0
   double share = 0;      ///< slope over the sum of slopes
   Index element = -1;
 };
 
-/// The parts that touch, deepest first, and what they come to together:
+/// The parts that touch, by depth times root of stiffness, largest first, and what they come to together:
 ///
 ///   U = k D^2 / 2,   sqrt(k) D = (sum_i (sqrt(k_i) d_i)^8)^(1/8),
 ///
-/// over all triangles with an overlap d_i > 0, k being the stiffness of the deepest. The force -grad U is
+/// over all triangles with an overlap d_i > 0, k being the stiffness of the first. The force -grad U is
 /// k D sum_i slope_i n_i, slope_i = sqrt(k_i/k) (sqrt(k_i) d_i / (sqrt(k) D))^7. Taking the deepest alone
 /// (the limit of a large exponent), direction and stiffness would jump from one triangle to the next in
 /// hollows and where stiffness changes, and a particle caught there draws energy from every jump. Every
@@ -37,7 +37,7 @@ struct SoftOverlap {
   std::array<SurfacePart, most_parts> parts;
   std::size_t count = 0;
   double value = 0;  ///< m, D; 0: apart. At least the deepest part's overlap
-  double gap = 0;    ///< m, while apart: distance between ball and nearest triangle
+  double gap = 0;    ///< m, distance between ball and the nearest triangle that it does not overlap
 
   void clear() {
     count = 0;
@@ -51,13 +51,14 @@ struct SoftOverlap {
                  Index element) {
     const auto halves = closest_points_on_halves(point, corner);
     for (std::size_t half = 0; half < 2; ++half) {
-      if (halves[half].distance_squared >= touching * touching) {
-        if (count == 0) gap = std::min(gap, std::sqrt(halves[half].distance_squared) - touching);
+      const double nearness = std::sqrt(halves[half].distance_squared), overlap = touching - nearness;
+      if (!(overlap > 0)) {
+        gap = std::min(gap, -overlap);
         continue;
       }
-      const double nearness = std::sqrt(halves[half].distance_squared), overlap = touching - nearness;
+      const double root = std::sqrt(stiffness);
       std::size_t place = count;
-      while (place > 0 && overlap > parts[place - 1].overlap) --place;
+      while (place > 0 && root * overlap > parts[place - 1].root * parts[place - 1].overlap) --place;
       if (place == most_parts) continue;
       if (count < most_parts) ++count;
       for (std::size_t i = count - 1; i > place; --i) parts[i] = parts[i - 1];
@@ -65,7 +66,7 @@ struct SoftOverlap {
       part.at = halves[half];
       part.nearness = nearness;
       part.overlap = overlap;
-      part.root = std::sqrt(stiffness);
+      part.root = root;
       part.element = element;
       const Vec3 along = corner[2] - corner[0];
       part.face =
@@ -75,6 +76,33 @@ struct SoftOverlap {
 
   /// After the last facet, when count > 0.
   void finish(const Vec3& point) {
+    for (std::size_t i = 0; i < count; ++i) {
+      SurfacePart& part = parts[i];
+      // A point on the triangle has no direction from it: the face's own normal serves.
+      part.normal = part.nearness > 1e-9 * part.overlap ? Vec3((point - part.at.point) / part.nearness)
+                                                        : part.face.normalized();
+    }
+    combine();
+  }
+
+  /// For a ball whose centre has passed through the first triangle from its other side: that one's overlap
+  /// goes on growing with the distance. Continuous where the centre is on the triangle.
+  void take_as_passed() {
+    parts[0].normal = -parts[0].normal;
+    parts[0].overlap += 2 * parts[0].nearness;
+    combine();
+  }
+
+  /// -grad D with respect to the ball's centre.
+  [[nodiscard]] Vec3 direction() const {
+    Vec3 sum(0, 0, 0);
+    for (std::size_t i = 0; i < count; ++i) sum += parts[i].slope * parts[i].normal;
+    return sum;
+  }
+
+ private:
+  /// Value, slopes and shares from the overlaps.
+  void combine() {
     const double deepest = parts[0].root * parts[0].overlap;
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -90,26 +118,8 @@ struct SoftOverlap {
       SurfacePart& part = parts[i];
       part.slope *= part.root / (parts[0].root * seventh_power);
       slopes += part.slope;
-      // A point on the triangle has no direction from it: the face's own normal serves.
-      part.normal = part.nearness > 1e-9 * part.overlap ? Vec3((point - part.at.point) / part.nearness)
-                                                        : part.face.normalized();
     }
     for (std::size_t i = 0; i < count; ++i) parts[i].share = parts[i].slope / slopes;
-  }
-
-  /// -grad D with respect to the ball's centre.
-  [[nodiscard]] Vec3 direction() const {
-    Vec3 sum(0, 0, 0);
-    for (std::size_t i = 0; i < count; ++i) sum += parts[i].slope * parts[i].normal;
-    return sum;
-  }
-
-  /// The deepest triangle alone, for a ball whose centre has passed through it from its other side.
-  void take_as_passed() {
-    count = 1;
-    parts[0].share = parts[0].slope = 1;
-    parts[0].normal = -parts[0].normal;
-    value = parts[0].overlap + 2 * parts[0].nearness;
   }
 };
 

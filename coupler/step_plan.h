@@ -24,11 +24,9 @@ struct StepPlan {
 /// - the infill's step feels its own stiffness and that of contact in parallel: 1/dt^2 = 1/dt_infill^2 +
 /// 1/dt_contact^2;
 /// - the window is the larger of the two parts' steps, so that one of them takes a single step in it: nothing
-/// is exchanged
-///   more often than either can tell. Contact's force is held while the infill makes several steps in a
-///   window, at an energy error that grows with the window (docs/theory/contact.md); a scene may ask for
-///   another (requested_window > 0);
-/// - a window longer than the infill's step is cut to dt_contact/sqrt(2), where spread impulses stay stable.
+///   is exchanged more often than either can tell; a scene may ask for another (requested_window > 0);
+/// - a window in which the infill takes several steps is cut to dt_contact/sqrt(2), since contact's force is
+///   held in it (docs/theory/contact.md).
 [[nodiscard]] StepPlan plan_steps(const StableSteps& stable, double safety, double requested_window,
                                   double interval);
 

@@ -105,7 +105,7 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
         shell.softening()));
 }
 
-/// DEM without packing: counts from masses, speeds from what the bridge measured (docs/performance.md).
+/// DEM without packing: counts from masses, speeds from what the bridge measured (docs/benchmarks.md).
 void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, effect_on(plan.effects, "fibres"));
   plan.shells = mesh.quads.size();

@@ -282,7 +282,7 @@ void Runner::measure() {
   }
   const auto& layers = request_.scene.turf.layers;
   for (std::size_t i = 0; i < state_.layer_tops.size(); ++i)
-    notes[fmt::format("layer_{}_{}_depth", i + 1, layers[i].material)] = {
+    notes[fmt::format("layer_{}_{}_depth", i + 1, request_.scene.materials.at(layers[i].material).name)] = {
         state_.layer_tops[i] - (i > 0 ? state_.layer_tops[i - 1] : 0), "m"};
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {

@@ -34,6 +34,26 @@ namespace {
   _exit(127);
 }
 
+/// The host is the only child of tuft's main thread. Gives up when tuft ends first.
+void kill_host_of(pid_t tuft, const std::string& at) {
+  for (int i = 0; i < 6000; ++i) {
+    if (std::filesystem::exists(at)) {
+      const std::string id = std::to_string(tuft);
+      pid_t host = 0;
+      std::ifstream("/proc/" + id + "/task/" + id + "/children") >> host;
+      if (host > 0) {
+        kill(host, SIGKILL);
+        return;
+      }
+    }
+    siginfo_t ended{};
+    if (waitid(P_PID, static_cast<id_t>(tuft), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        ended.si_pid == tuft)
+      return;
+    usleep(10'000);
+  }
+}
+
 void expect_one_line(const Outcome& outcome, int exit_code, const std::vector<std::string>& parts) {
   EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
   EXPECT_EQ(outcome.error.rfind("tuft: error: ", 0), 0u) << outcome.error;
@@ -51,16 +71,17 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-Outcome run_tuft(const std::vector<std::string>& arguments, double interrupt_after, long largest_file) {
+Outcome run_tuft(const std::vector<std::string>& arguments, const Trouble& trouble) {
   const Workplace place;
   const std::string out = place.path("out"), error = place.path("error");
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("cannot fork");
-  if (child == 0) become_tuft(arguments, out, error, largest_file);
-  if (interrupt_after > 0) {
-    usleep(static_cast<useconds_t>(1e6 * interrupt_after));
+  if (child == 0) become_tuft(arguments, out, error, trouble.largest_file);
+  if (trouble.interrupt_after > 0) {
+    usleep(static_cast<useconds_t>(1e6 * trouble.interrupt_after));
     kill(child, SIGINT);
   }
+  if (!trouble.kill_host_at.empty()) kill_host_of(child, trouble.kill_host_at);
   int status = 0;
   waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(error)};

@@ -13,10 +13,15 @@ struct Outcome {
   std::string out, error;
 };
 
-/// Runs `tuft` with these arguments. `interrupt_after` > 0: sends SIGINT once after so many seconds.
-/// `largest_file` > 0: no file may grow beyond so many bytes, as on a full disk.
-[[nodiscard]] Outcome run_tuft(const std::vector<std::string>& arguments, double interrupt_after = 0,
-                               long largest_file = 0);
+/// What happens to a run from outside.
+struct Trouble {
+  double interrupt_after = 0;  ///< s, > 0: SIGINT once after so long
+  long largest_file = 0;       ///< bytes, > 0: no file may grow beyond them, as on a full disk
+  std::string kill_host_at{};  ///< a file: as soon as it exists the DEM host gets SIGKILL
+};
+
+/// Runs `tuft` with these arguments.
+[[nodiscard]] Outcome run_tuft(const std::vector<std::string>& arguments, const Trouble& trouble = {});
 
 /// Exit code 2 and one line on standard error that begins "tuft: error: " and holds each of `parts`.
 void expect_bad_input(const Outcome& outcome, const std::vector<std::string>& parts);

@@ -10,7 +10,7 @@ std::vector<std::string> tiny_run(const std::string& folder, const std::vector<s
   std::vector<std::string> words{"run"};
   const auto scene = tiny_scene();
   words.insert(words.end(), scene.begin(), scene.end());
-  words.insert(words.end(), {"--infill", "sph", "--out", folder});
+  words.insert(words.end(), {"--out", folder});
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -63,7 +63,8 @@ TEST(Run, IsResumedFromItsResolvedSceneAloneWithoutTheOriginal) {
 
 TEST(Run, ThatIsInterruptedWritesACheckpointAndStops) {
   const Workplace place;
-  const Outcome outcome = run_tuft(tiny_run(place.path("run"), {"--set", "scene.duration=10 s"}), 3);
+  const Outcome outcome =
+      run_tuft(tiny_run(place.path("run"), {"--set", "scene.duration=10 s"}), {.interrupt_after = 3});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.error;
   EXPECT_EQ(summary_in(place.path("run"))["status"], "stopped");
   EXPECT_TRUE(std::filesystem::exists(place.path("run/checkpoint.h5")));
@@ -85,12 +86,28 @@ TEST(Run, OverItsEnergyLimitFailsAndKeepsItsRecords) {
 TEST(Run, WhoseDiskIsFullFailsAndStaysReadable) {
   const Workplace place;
   const Outcome outcome = run_tuft(
-      tiny_run(place.path("run"), {"--set", "output.frames=0.02 ms", "--set", "scene.duration=4 ms"}), 0,
-      300'000);
+      tiny_run(place.path("run"), {"--set", "output.frames=0.02 ms", "--set", "scene.duration=4 ms"}),
+      {.largest_file = 300'000});
   expect_failed_run(outcome, {"run.h5"});
   EXPECT_EQ(summary_in(place.path("run"))["status"], "failed");
   EXPECT_EQ(run_tuft({"show", place.path("run")}).exit_code, 0);
   EXPECT_EQ(run_tuft({"report", place.path("run")}).exit_code, 0);
+}
+
+TEST(Run, WhoseHostIsKilledFailsKeepsItsRecordsAndGoesOnWhenResumed) {
+  const Workplace place;
+  const std::string folder = place.path("run");
+  const std::vector<std::string> words = tiny_run(
+      folder, {"--infill", "dem", "--set", "infill.dem.material_coarse_graining={ sbr = 7.0, sand = 9.0 }",
+               "--set", "infill.dem.use_cache=false", "--set", "infill.dem.settle_time=1 ms", "--set",
+               "scene.duration=12 ms"});
+  const Outcome outcome = run_tuft(words, {.kill_host_at = place.path("run/checkpoint.h5")});
+  expect_failed_run(outcome, {"liggghts_host", "signal"});
+  EXPECT_EQ(summary_in(folder)["status"], "failed");
+  EXPECT_EQ(run_tuft({"report", folder}).exit_code, 0);
+  const Outcome resumed = run_tuft({"resume", folder});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.error;
+  EXPECT_EQ(summary_in(folder)["status"], "completed");
 }
 
 TEST(Check, SaysOk) {

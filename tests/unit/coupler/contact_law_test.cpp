@@ -5,6 +5,10 @@
 namespace tuft::coupler {
 namespace {
 
+ContactKinematics moment(double overlap, const Vec3& normal, const Vec3& velocity, double mass) {
+  return {overlap, normal, velocity, mass, -velocity.dot(normal), 1};
+}
+
 /// A mass on a fixed plane z = 0, leapfrog, until it parts or `steps` are done. Returns the velocities.
 struct Bounce {
   double rebound = 0;
@@ -23,7 +27,7 @@ Bounce bounce(const ContactParameters& p, double mass, const Vec3& velocity_in, 
       result.friction += release_spring(history);
       break;
     }
-    const ContactForce f = compute_contact_force(p, {-z, Vec3(0, 0, 1), velocity, mass}, dt, history);
+    const ContactForce f = compute_contact_force(p, moment(-z, Vec3(0, 0, 1), velocity, mass), dt, history);
     result.damped += f.damped;
     result.friction += f.friction;
     velocity += f.force / mass * dt;
@@ -53,7 +57,8 @@ TEST(ContactLaw, DampedEnergyIsTheKineticEnergyLost) {
 TEST(ContactLaw, ForceNeverPulls) {
   const ContactParameters p{1e4, 0.9, 0.5, {}};
   ContactHistory history;
-  const ContactForce f = compute_contact_force(p, {1e-6, Vec3(0, 0, 1), Vec3(0, 0, 50), 1e-3}, 1e-6, history);
+  const ContactForce f =
+      compute_contact_force(p, moment(1e-6, Vec3(0, 0, 1), Vec3(0, 0, 50), 1e-3), 1e-6, history);
   EXPECT_EQ(f.force.z(), 0);
   // What the dashpot takes from the spring is dissipated, not lost.
   EXPECT_NEAR(f.damped, 0.5 * 1e4 * 1e-6 * 50 * 1e-6, 1e-18)
@@ -67,7 +72,7 @@ TEST(ContactLaw, SlidingForceIsCoulombsWithTheCoefficientOfThatSpeed) {
     ContactHistory history;
     ContactForce f;
     for (int i = 0; i < 20000; ++i)
-      f = compute_contact_force(p, {1e-5, Vec3(0, 0, 1), Vec3(speed, 0, 0), 1e-3}, 1e-4 * 0.01 / speed,
+      f = compute_contact_force(p, moment(1e-5, Vec3(0, 0, 1), Vec3(speed, 0, 0), 1e-3), 1e-4 * 0.01 / speed,
                                 history);
     const double mu = 0.60 + (0.44 - 0.60) * std::exp(-300 * speed);
     EXPECT_NEAR(-f.force.x(), mu * 1e5 * 1e-5, 1e-9) << speed;
@@ -89,7 +94,8 @@ TEST(ContactLaw, StickingSpringReturnsItsEnergyWithoutLoss) {
   const double dt = 1e-6, mass = 1e-4;
   double x = 0, v = 0.05, friction = 0, largest = 0;
   for (int i = 0; i < 20000; ++i) {
-    const ContactForce f = compute_contact_force(p, {1e-4, Vec3(0, 0, 1), Vec3(v, 0, 0), mass}, dt, history);
+    const ContactForce f =
+        compute_contact_force(p, moment(1e-4, Vec3(0, 0, 1), Vec3(v, 0, 0), mass), dt, history);
     friction += f.friction;
     v += f.force.x() / mass * dt;
     x += v * dt;
@@ -108,8 +114,9 @@ TEST(ContactLaw, ForceTurnsWithTheContact) {
   a.spring = std::sqrt(0.5 * 3e4) * Vec3(1e-5, 2e-5, 0);
   b.spring = turn * a.spring;
   const Vec3 v(0.3, -0.2, -0.5);
-  const ContactForce fa = compute_contact_force(p, {1e-4, Vec3(0, 0, 1), v, 1e-3}, 1e-6, a);
-  const ContactForce fb = compute_contact_force(p, {1e-4, turn * Vec3(0, 0, 1), turn * v, 1e-3}, 1e-6, b);
+  const ContactForce fa = compute_contact_force(p, moment(1e-4, Vec3(0, 0, 1), v, 1e-3), 1e-6, a);
+  const ContactForce fb =
+      compute_contact_force(p, moment(1e-4, turn * Vec3(0, 0, 1), turn * v, 1e-3), 1e-6, b);
   EXPECT_LT((turn * fa.force - fb.force).norm(), 1e-12 * fa.force.norm());
   EXPECT_LT((turn * a.spring - b.spring).norm(), 1e-14);
   EXPECT_NEAR(fa.elastic, fb.elastic, 1e-15);
