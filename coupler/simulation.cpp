@@ -189,7 +189,7 @@ AdvanceReport Simulation::advance_infill() {
   copy(before.wx, window_spin_.x);
   copy(before.wy, window_spin_.y);
   copy(before.wz, window_spin_.z);
-  const AdvanceReport report = parts_.infill->advance(plan_.window, substeps, impulses_);
+  AdvanceReport report = parts_.infill->advance(plan_.window, substeps, impulses_);
   const ParticleView after = parts_.infill->particles();
   const double ahead = (substeps - 1.0) / (2.0 * substeps) * plan_.window;
   const auto follow = [&](std::vector<double>& position, std::vector<double>& velocity,
