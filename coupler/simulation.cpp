@@ -25,6 +25,10 @@ Vec3 carpet_impulse(const fe::Carpet& carpet) {
   return carpet.impulse_received() + carpet.impulse_to_clamps();
 }
 
+void copy(std::span<const double> from, std::vector<double>& to) {
+  to.assign(from.begin(), from.end());
+}
+
 void zero(Vec3Array& values) {
   std::fill(values.x.begin(), values.x.end(), 0.0);
   std::fill(values.y.begin(), values.y.end(), 0.0);
@@ -176,9 +180,6 @@ AdvanceReport Simulation::advance_infill() {
     return parts_.infill->advance(plan_.window, 1, impulses_);
   }
   const ParticleView before = parts_.infill->particles();
-  const auto copy = [](std::span<const double> from, std::vector<double>& to) {
-    to.assign(from.begin(), from.end());
-  };
   if (!windowed_) {
     copy(before.x, window_position_.x);
     copy(before.y, window_position_.y);
@@ -283,9 +284,6 @@ void Simulation::check_candidates() {
 void Simulation::remember_reference() {
   const ParticleView p = parts_.infill->particles();
   const fe::NodeView n = parts_.carpet->nodes();
-  const auto copy = [](std::span<const double> from, std::vector<double>& to) {
-    to.assign(from.begin(), from.end());
-  };
   copy(p.x, reference_.particles.x);
   copy(p.y, reference_.particles.y);
   copy(p.z, reference_.particles.z);
