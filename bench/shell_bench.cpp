@@ -1,6 +1,6 @@
 /// Element-steps per second of the shells on a field of 50 000 fibre shells: 2 381 strands of 21 elements of
-/// 3 x 1.3 x 0.1 mm (a 63 mm pile), clamped at their roots and swinging. One thickness point (stress
-/// resultants) and three.
+/// 3 x 1.3 x 0.1 mm (a 63 mm pile), clamped at their roots and swinging. One-point elements with stress
+/// resultants and with three points through the thickness; fully integrated viscoelastic ones with three.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -38,12 +38,12 @@ tuft::fe::ShellMesh fibre_field() {
   return mesh;
 }
 
-void step_field(benchmark::State& state, int thickness_points) {
+void step_field(benchmark::State& state, const tuft::ShellMaterial& material,
+                const tuft::ShellSection& section) {
   tuft::set_threads(static_cast<int>(state.range(0)));
-  const tuft::ShellMaterial polyethylene{0.5e9, 0.4, 920};
   tuft::fe::CarpetOptions options;
-  options.thickness_points = thickness_points;
-  tuft::fe::Carpet carpet(fibre_field(), {polyethylene}, options);
+  options.section = section;
+  tuft::fe::Carpet carpet(fibre_field(), {material}, options);
   const std::size_t nodes = carpet.nodes().x.size();
   // Strands bend as in a blow: speed grows along them, each in a direction of its own.
   for (std::size_t n = 0; n < nodes; ++n) {
@@ -62,14 +62,33 @@ void step_field(benchmark::State& state, int thickness_points) {
       benchmark::Counter(static_cast<double>(carpet.element_steps() - before), benchmark::Counter::kIsRate);
 }
 
+const tuft::ShellMaterial polyethylene{0.5e9, 0.4, 920};
+
 void shell_one_point_elastic(benchmark::State& state) {
-  step_field(state, 1);
+  step_field(state, polyethylene, {});
 }
 void shell_one_point_3pt(benchmark::State& state) {
-  step_field(state, 3);
+  tuft::ShellSection section;
+  section.thickness_points = 3;
+  step_field(state, polyethylene, section);
+}
+void shell_full_elastic(benchmark::State& state) {
+  tuft::ShellSection section;
+  section.element = tuft::ElementKind::fully_integrated;
+  step_field(state, polyethylene, section);
+}
+void shell_full_prony_3pt(benchmark::State& state) {
+  // Published: G = 0.061, 0.0663, 0.2 GPa with decays 0, 10, 1000 1/s (Bustamante et al. 2024).
+  const tuft::ShellMaterial slit_film{2 * 0.3273e9 * 1.42, 0.42, 920, {{0.0663e9, 10}, {0.2e9, 1000}}};
+  tuft::ShellSection section;
+  section.element = tuft::ElementKind::fully_integrated;
+  section.thickness_points = 3;
+  step_field(state, slit_film, section);
 }
 
 BENCHMARK(shell_one_point_elastic)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(shell_one_point_3pt)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(shell_full_elastic)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(shell_full_prony_3pt)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -26,11 +26,37 @@ struct FrictionLaw {
   double decay = 0;                ///< s/m, >= 0
 };
 
-/// Elastic shell material.
+/// Shell elements of the carpet: one point in the plane with hourglass control, or 2 x 2 points.
+enum class ElementKind { one_point, fully_integrated };
+/// What holds the modes that one point does not see: elastic forces, or forces proportional to their rate.
+enum class HourglassControl { stiffness, viscous };
+
+/// How the shells of one material are computed.
+struct ShellSection {
+  ElementKind element = ElementKind::one_point;
+  /// Through the thickness, 1 to 5. 2 to 5: Gauss points, each with its own stress. 1: stress resultants
+  /// integrated exactly, which a linear law allows (bending included; the same results as 2 to 5 to rounding,
+  /// at the lowest cost).
+  int thickness_points = 1;
+  HourglassControl hourglass = HourglassControl::stiffness;  ///< one_point only
+  /// [0, 1]. Stiffness: over that of the fully integrated element; 1 gives its accuracy in linear bending.
+  /// Viscous: over critical damping.
+  double hourglass_coefficient = 1;
+};
+
+/// One term of a relaxing shear modulus, G_i exp(-decay t).
+struct PronyTerm {
+  double modulus = 0;  ///< Pa, > 0
+  double decay = 0;    ///< 1/s, >= 0
+};
+
+/// Isotropic shell material; viscoelastic when it has relaxation terms.
 struct ShellMaterial {
-  double young_modulus = 0;  ///< Pa, > 0
-  double poisson_ratio = 0;  ///< [0, 0.5)
+  double young_modulus = 0;  ///< Pa, > 0; of a viscoelastic material the instantaneous one
+  double poisson_ratio = 0;  ///< [0, 0.5), instantaneous; the volume does not relax
   double density = 0;        ///< kg/m^3, > 0
+  /// What relaxes of the instantaneous shear modulus E / (2 (1 + nu)); the moduli add up to at most that.
+  std::vector<PronyTerm> relaxation = {};
 };
 
 /// Carpet as made (inputs/turfs/*.toml or inline under [turf.carpet]).
@@ -47,7 +73,7 @@ struct CarpetDesign {
   double backing_thickness = 0;  ///< m
   double backing_element = 0;    ///< m, largest element side of the backing
   ShellMaterial fibre, backing;
-  double hourglass_coefficient = 0.05;  ///< Flanagan-Belytschko type, [0, 0.2]
+  ShellSection fibre_section, backing_section;
   double damping = 0;                ///< 1/s, mass-proportional damping of the carpet during the drop, >= 0
   FrictionLaw body_friction;         ///< of fibres and backing against rig bodies and the tray
   double contact_restitution = 0.5;  ///< (0, 1], of carpet nodes on rig bodies and the tray

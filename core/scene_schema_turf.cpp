@@ -4,10 +4,31 @@
 namespace tuft::schema {
 namespace {
 
+constexpr std::string_view element_kinds[] = {"one_point", "fully_integrated"};
+constexpr std::string_view hourglass_controls[] = {"stiffness", "viscous"};
+
 void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
   keys.quantity(required("young_modulus", "Young's modulus"), material.young_modulus, "Pa", positive);
   keys.number(required("poisson_ratio", "Poisson's ratio"), material.poisson_ratio, {0, 0.5, false, true});
   keys.quantity(required("density", "density of the solid"), material.density, "kg/m^3", positive);
+  keys.list<PronyTerm>(
+      {"relaxation", "viscoelastic: parts of the instantaneous shear modulus that relax"},
+      material.relaxation, [](KeyVisitor& inside, PronyTerm& term) {
+        inside.quantity(required("modulus", "shear modulus of the term"), term.modulus, "Pa", positive);
+        inside.quantity(required("decay", "rate at which it relaxes"), term.decay, "Hz", non_negative);
+      });
+}
+
+void describe_shell_section(KeyVisitor& keys, ShellSection& section) {
+  keys.enumeration({"element", "one_point: one point in the plane; fully_integrated: 2 x 2 points"},
+                   section.element, element_kinds);
+  keys.integer({"thickness_points", "through the thickness; 1: forces and moments, exact for these laws"},
+               section.thickness_points, {1, 5, false, false});
+  keys.enumeration({"hourglass", "one_point: what resists the modes that its point does not see"},
+                   section.hourglass, hourglass_controls);
+  keys.number({"hourglass_coefficient",
+               "stiffness: over the fully integrated element's; viscous: over critical damping"},
+              section.hourglass_coefficient, {0, 1, false, false});
 }
 
 void describe_continuum(KeyVisitor& keys, SoilFoamMaterial& material) {
@@ -80,17 +101,19 @@ void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
                 positive);
   keys.quantity(required("backing_element", "largest shell side of the backing"), carpet.backing_element, "m",
                 positive);
-  keys.number({"hourglass_coefficient", "hourglass resistance"}, carpet.hourglass_coefficient,
-              {0, 0.2, false, false});
   keys.quantity({"damping", "mass-proportional damping of the carpet"}, carpet.damping, "Hz", non_negative);
   keys.number({"contact_restitution", "of carpet nodes on rig bodies and the tray"},
               carpet.contact_restitution, share);
   keys.table({"body_friction", "of fibres and backing on rig bodies and the tray"},
              [&](KeyVisitor& inside) { describe_friction(inside, carpet.body_friction); });
-  keys.table({"fibre", "elastic material of the strands"},
-             [&](KeyVisitor& inside) { describe_shell_material(inside, carpet.fibre); });
-  keys.table({"backing", "elastic material of the backing"},
-             [&](KeyVisitor& inside) { describe_shell_material(inside, carpet.backing); });
+  keys.table({"fibre", "material and shells of the strands"}, [&](KeyVisitor& inside) {
+    describe_shell_material(inside, carpet.fibre);
+    describe_shell_section(inside, carpet.fibre_section);
+  });
+  keys.table({"backing", "material and shells of the backing"}, [&](KeyVisitor& inside) {
+    describe_shell_material(inside, carpet.backing);
+    describe_shell_section(inside, carpet.backing_section);
+  });
 }
 
 void describe_material(KeyVisitor& keys, Material& material) {

@@ -115,7 +115,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   fe::ShellMesh mesh = build_carpet_mesh(scene, effect_on(request.effects, "fibres"));
   parts.node_radius = node_radii(mesh);
   fe::CarpetOptions options;
-  options.hourglass_coefficient = scene.turf.carpet.hourglass_coefficient;
+  options.sections = {scene.turf.carpet.backing_section, scene.turf.carpet.fibre_section};
   options.damping = scene.turf.carpet.damping;
   options.gravity = gravity;
 

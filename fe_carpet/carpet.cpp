@@ -18,6 +18,25 @@ namespace {
 /// each other. Results do not depend on it.
 constexpr std::size_t threads_pay_above = 1000;
 
+void check_relaxation(const ShellMaterial& material, std::size_t m) {
+  const double shear = material.young_modulus / (2 * (1 + material.poisson_ratio));
+  double sum = 0;
+  for (const PronyTerm& term : material.relaxation) {
+    if (!(term.modulus > 0) || !std::isfinite(term.modulus))
+      throw_input_error("shell material {}: a relaxation modulus is {} Pa; it must be positive", m,
+                        term.modulus);
+    if (!(term.decay >= 0) || !std::isfinite(term.decay))
+      throw_input_error("shell material {}: a relaxation decay is {} 1/s; it must be zero or more", m,
+                        term.decay);
+    sum += term.modulus;
+  }
+  if (sum > shear * (1 + 1e-9))
+    throw_input_error(
+        "shell material {}: the relaxation moduli add up to {} Pa, more than the instantaneous shear modulus "
+        "of {} Pa; raise young_modulus or lower them",
+        m, sum, shear);
+}
+
 void check_materials(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials) {
   for (std::size_t m = 0; m < materials.size(); ++m) {
     const ShellMaterial& material = materials[m];
@@ -29,6 +48,7 @@ void check_materials(const ShellMesh& mesh, const std::vector<ShellMaterial>& ma
     if (!(material.poisson_ratio >= 0 && material.poisson_ratio < 0.5))
       throw_input_error("shell material {}: Poisson's ratio is {}; it must be in [0, 0.5)", m,
                         material.poisson_ratio);
+    check_relaxation(material, m);
   }
   for (std::size_t e = 0; e < mesh.material.size(); ++e)
     if (static_cast<std::size_t>(mesh.material[e]) >= materials.size())
@@ -41,12 +61,17 @@ void check_damping(double rate) {
     throw_input_error("carpet damping is {} 1/s; it must be zero or more", rate);
 }
 
+void check_section(const ShellSection& section) {
+  if (section.thickness_points < 1 || section.thickness_points > 5)
+    throw_input_error("carpet: {} thickness points; choose 1 to 5", section.thickness_points);
+  if (!(section.hourglass_coefficient >= 0 && section.hourglass_coefficient <= 1))
+    throw_input_error("carpet: hourglass coefficient {}; it must be in [0, 1]",
+                      section.hourglass_coefficient);
+}
+
 void check_options(const CarpetOptions& options) {
-  if (options.thickness_points < 1 || options.thickness_points > 5)
-    throw_input_error("carpet: {} thickness points; choose 1 to 5", options.thickness_points);
-  if (!(options.hourglass_coefficient >= 0 && options.hourglass_coefficient <= 0.2))
-    throw_input_error("carpet: hourglass coefficient {}; it must be in [0, 0.2]",
-                      options.hourglass_coefficient);
+  check_section(options.section);
+  for (const ShellSection& section : options.sections) check_section(section);
   check_damping(options.damping);
   if (!options.gravity.allFinite()) throw_input_error("carpet: gravity is not finite");
 }
@@ -84,10 +109,10 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
       options(options_in),
       elements(make_element_arrays(mesh, materials, options)),
       nodes(make_node_arrays(mesh, elements)),
-      update_elements(element_block_function(options.thickness_points)),
       contact_stiffness(contact_stiffness_of_nodes(elements, mesh)) {
   for (std::size_t m = 0; m < materials.size(); ++m)
-    wave_speed = std::max(wave_speed, std::sqrt(elements.law[m].direct / materials[m].density));
+    wave_speed =
+        std::max(wave_speed, std::sqrt(instantaneous_law(materials[m]).direct / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());
 }
 
@@ -101,18 +126,32 @@ double Carpet::Impl::largest_frequency_squared() const {
   return largest;
 }
 
-/// Elements write their own corners, then nodes gather them: no two threads write one value.
-void Carpet::Impl::move(double dt, const Vec3Array& force) {
-  const NodeStep node_step{dt, options.damping, options.gravity};
-#pragma omp parallel if (elements.element_count > threads_pay_above)
-  {
-#pragma omp for schedule(static)
-    for (std::size_t block = 0; block < elements.block_count; ++block)
-      update_elements(elements, nodes.motion, last_step, block);
-#pragma omp for schedule(static)
-    for (std::size_t block = 0; block < nodes.sums.size(); ++block)
-      update_node_block(nodes, elements, force, node_step, block);
+/// Strains and stresses up to the present positions, so that velocities may change.
+void Carpet::Impl::settle_elements() {
+  update_elements();
+  last_step = 0;
+}
+
+void Carpet::Impl::update_elements() {
+  for (ElementFamily& family : elements.family)
+    if (auto* law = std::get_if<ViscoelasticLaw>(&family.law)) law->set_step(last_step);
+#pragma omp parallel for schedule(static) if (elements.element_count > threads_pay_above)
+  for (std::size_t b = 0; b < elements.block.size(); ++b) {
+    const ElementBlock& block = elements.block[b];
+    const ElementFamily& family = elements.family[block.family];
+    family.update(elements, family, nodes.motion, last_step, block.first_batch, block.last_batch, b);
   }
+}
+
+/// Elements write their own corners, then nodes gather them: no two threads write one value.
+void Carpet::Impl::move(double dt, const Vec3Array& force, const Vec3Array* moment) {
+  const NodeStep node_step{dt, options.damping, options.gravity, from_rest ? 0.5 : 0.0};
+  from_rest = false;
+  update_elements();
+  stop_on_inverted_element();
+#pragma omp parallel for schedule(static) if (elements.element_count > threads_pay_above)
+  for (std::size_t block = 0; block < nodes.sums.size(); ++block)
+    update_node_block(nodes, elements, force, moment, node_step, block);
 }
 
 namespace {
@@ -142,22 +181,36 @@ bool find_bad_value(const Vec3Array& values, BadValue& bad) {
 
 /// First element with a stress or hourglass force that is not finite, or -1.
 Index find_bad_element(const ElementArrays& elements) {
-  const std::size_t values = state_values(elements.thickness_points);
   for (std::size_t e = 0; e < elements.element_count; ++e) {
-    const auto slot = static_cast<std::size_t>(elements.slot[e]);
-    const double* first = &elements.state[slot / lanes * values * lanes + slot % lanes];
-    for (std::size_t v = 0; v < values; ++v)
-      if (!std::isfinite(first[v * lanes])) return static_cast<Index>(e);
+    const auto slot = static_cast<std::size_t>(elements.slot[e]), batch = slot / lanes;
+    const double* first = &elements.state[elements.state_of_batch(batch) + slot % lanes];
+    const std::size_t rows = elements.family[static_cast<std::size_t>(elements.batch_family[batch])].rows;
+    for (std::size_t row = 0; row < rows; ++row)
+      if (!std::isfinite(first[row * lanes])) return static_cast<Index>(e);
   }
   return -1;
 }
 
 }  // namespace
 
+/// Positions that are not finite are for the check that follows the step.
+void Carpet::Impl::stop_on_inverted_element() const {
+  if (*std::min_element(elements.uprightness.begin(), elements.uprightness.end()) > 0) return;
+  const Index element = find_inverted_element(elements, nodes.motion, last_step);
+  if (element < 0 ||
+      !nodes.motion.position[static_cast<std::size_t>(mesh.quads[static_cast<std::size_t>(element)][0])]
+           .allFinite())
+    return;
+  throw_run_error(
+      "carpet: element {} (surface {}) is turned inside out at t = {:.9g} s (carpet step {}); take smaller "
+      "elements, a smaller step or softer contact",
+      element, mesh.surface[static_cast<std::size_t>(element)], time, steps);
+}
+
 /// The kinetic energy of every node is in the sums: a value that is not finite anywhere shows there at the
 /// latest one step after it arose. Faster than the wave speed, a node strains its elements by more than 1: no
 /// step of this carpet that is still stable does that.
-void Carpet::Impl::stop_on_instability(double dt, const Vec3Array& force) const {
+void Carpet::Impl::stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const {
   double kinetic = 0, speed_squared = 0;
   for (const NodeSums& sums : nodes.sums) {
     kinetic += sums.kinetic;
@@ -172,6 +225,9 @@ void Carpet::Impl::stop_on_instability(double dt, const Vec3Array& force) const 
   if (find_bad_value(force, bad))
     throw_run_error("carpet: load {} on node {} is {} N {}; the contact or load that gave it is at fault",
                     bad.axis, bad.node, bad.value, when);
+  if (moment && find_bad_value(*moment, bad))
+    throw_run_error("carpet: moment {} on node {} is {} N m {}; the load that gave it is at fault", bad.axis,
+                    bad.node, bad.value, when);
   if (const Index element = find_bad_element(elements); element >= 0)
     throw_run_error(
         "carpet: stress of element {} (surface {}) is not finite {}; take a smaller step or softer contact",
@@ -215,16 +271,25 @@ std::span<const double> Carpet::node_contact_stiffness() const {
   return impl_->contact_stiffness;
 }
 
-void Carpet::step(double dt, const Vec3Array& force) {
+void Carpet::Impl::step(double dt, const Vec3Array& force, const Vec3Array* moment) {
   if (!(dt > 0) || !std::isfinite(dt)) throw std::logic_error(fmt::format("carpet step of {} s", dt));
-  if (force.x.size() != impl_->nodes.size() || force.y.size() != force.x.size() ||
-      force.z.size() != force.x.size())
-    throw std::logic_error(fmt::format("carpet: {} loads for {} nodes", force.x.size(), impl_->nodes.size()));
-  impl_->move(dt, force);
-  impl_->stop_on_instability(dt, force);
-  impl_->last_step = dt;
-  impl_->time += dt;
-  ++impl_->steps;
+  for (const Vec3Array* load : {&force, moment})
+    if (load &&
+        (load->x.size() != nodes.size() || load->y.size() != nodes.size() || load->z.size() != nodes.size()))
+      throw std::logic_error(fmt::format("carpet: {} loads for {} nodes", load->x.size(), nodes.size()));
+  move(dt, force, moment);
+  stop_on_instability(dt, force, moment);
+  last_step = dt;
+  time += dt;
+  ++steps;
+}
+
+void Carpet::step(double dt, const Vec3Array& force) {
+  impl_->step(dt, force, nullptr);
+}
+
+void Carpet::step(double dt, const Vec3Array& force, const Vec3Array& moment) {
+  impl_->step(dt, force, &moment);
 }
 
 void Carpet::set_damping(double rate) {
@@ -251,6 +316,27 @@ CarpetEnergy Carpet::energy() const {
                         0.5 * c.nodes.inertia[n] * c.nodes.motion.angular_velocity[n].squaredNorm();
   }
   return energy;
+}
+
+double Carpet::kinetic_energy() const {
+  double kinetic = 0;
+  for (const NodeSums& sums : impl_->nodes.sums) kinetic += sums.kinetic;
+  return kinetic;
+}
+
+void Carpet::stop() {
+  Impl& c = *impl_;
+  Vec3Array &v = c.nodes.motion.velocity, &w = c.nodes.motion.angular_velocity;
+  for (std::size_t n = 0; n < c.nodes.size(); ++n) {
+    const double lost =
+        0.5 * (c.nodes.mass[n] * v[n].squaredNorm() + c.nodes.inertia[n] * w[n].squaredNorm());
+    c.nodes.sums[n / nodes_per_block].damping_work += lost;
+  }
+  // What these velocities have done since the last forces must not be lost: the elements have yet to see it.
+  c.settle_elements();
+  v.assign(c.nodes.size(), 0.0);
+  w.assign(c.nodes.size(), 0.0);
+  c.from_rest = true;
 }
 
 Vec3 Carpet::impulse_received() const {

@@ -14,44 +14,45 @@ namespace tuft::fe {
 
 /// Shell mesh. Quads index nodes, counter-clockwise seen from the side of the shell normal.
 struct ShellMesh {
-  Vec3Array nodes;                            ///< m
+  Vec3Array nodes;  ///< m
   std::vector<std::array<Index, 4>> quads;
-  std::vector<double> thickness;              ///< m, per quad
-  std::vector<Index> material;                ///< per quad, index into the materials given with the mesh
+  std::vector<double> thickness;  ///< m, per quad
+  std::vector<Index> material;    ///< per quad, index into the materials given with the mesh
   /// Per quad: contact surface it belongs to. 0 is the backing, 1..n the strands. A particle touches each
   /// surface at its nearest point only.
   std::vector<Index> surface;
-  std::vector<std::uint8_t> clamped;          ///< per node: all six degrees of freedom fixed
-  Index surface_count = 0;                    ///< backing included: surfaces are 0 .. surface_count - 1
+  std::vector<std::uint8_t> clamped;  ///< per node: all six degrees of freedom fixed
+  /// Per node, or empty for none: bits 0 to 2 hold the translations along x, y and z, bits 3 to 5 the
+  /// rotations about them (symmetry planes, hinges).
+  std::vector<std::uint8_t> constraints;
+  Index surface_count = 0;  ///< backing included: surfaces are 0 .. surface_count - 1
 
   static constexpr Index backing_surface = 0;
 };
 
-/// Generates the carpet of a patch centred on the origin, backing mid-surface at z = backing thickness / 2 (its
-/// lower face on the tray's floor z = 0), strands rising in +z. Strands share their two root nodes with the
-/// backing. The backing's edge nodes are clamped. The same seed gives the same mesh.
-/// `with_fibres` false: the backing alone. Material 0 is the backing, 1 the fibre.
-/// Throws InputError when the patch holds no tuft or a length is unusable.
-[[nodiscard]] ShellMesh generate_carpet(const CarpetDesign& design, std::array<double, 2> size, std::uint64_t seed,
-                                        bool with_fibres);
+/// Generates the carpet of a patch centred on the origin, backing mid-surface at z = backing thickness / 2
+/// (its lower face on the tray's floor z = 0), strands rising in +z. Strands share their two root nodes with
+/// the backing. The backing's edge nodes are clamped. The same seed gives the same mesh. `with_fibres` false:
+/// the backing alone. Material 0 is the backing, 1 the fibre. Throws InputError when the patch holds no tuft
+/// or a length is unusable.
+[[nodiscard]] ShellMesh generate_carpet(const CarpetDesign& design, std::array<double, 2> size,
+                                        std::uint64_t seed, bool with_fibres);
 
 /// Throws InputError naming the element on zero-length sides, coincident nodes, indices out of range.
 void check_mesh(const ShellMesh& mesh);
 
 struct CarpetOptions {
-  double hourglass_coefficient = 0.05;
-  double damping = 0;                  ///< 1/s, mass-proportional
-  Vec3 gravity{0, 0, -9.81};           ///< m/s^2
-  /// Through the thickness, 1 to 5. 2 to 5: Gauss points, each with its own stress. 1: stress resultants integrated
-  /// exactly, which the elastic law allows (bending included; the same results as 2 to 5 to rounding, at the lowest cost).
-  int thickness_points = 3;
+  double damping = 0;                       ///< 1/s, mass-proportional
+  Vec3 gravity{0, 0, -9.81};                ///< m/s^2
+  ShellSection section;                     ///< of all materials but those in
+  std::vector<ShellSection> sections = {};  ///< per material of the mesh, or empty
 };
 
 /// Energies, J, as of the last force evaluation with kinetic energy centred there (see core/infill.h).
 struct CarpetEnergy {
   double kinetic = 0;            ///< translation and rotation
   double strain = 0;             ///< work of the shell stresses
-  double hourglass = 0;          ///< work of hourglass resistance
+  double hourglass = 0;          ///< work of hourglass resistance and of the drilling penalty
   double gravity_potential = 0;  ///< relative to z = 0
   double damping = 0;            ///< dissipated by mass-proportional damping
   double external_work = 0;      ///< work of the loads given to step()
@@ -60,7 +61,7 @@ struct CarpetEnergy {
 /// Nodes: positions at t, translational velocity half a step before.
 struct NodeView {
   std::span<const double> x, y, z, vx, vy, vz;
-  std::span<const double> mass;            ///< kg, translational
+  std::span<const double> mass;  ///< kg, translational
   std::span<const std::uint8_t> clamped;
 };
 
@@ -72,24 +73,29 @@ class Carpet {
   Carpet(const Carpet&) = delete;
   Carpet& operator=(const Carpet&) = delete;
 
-  [[nodiscard]] const ShellMesh& mesh() const;   ///< as built (reference positions)
+  [[nodiscard]] const ShellMesh& mesh() const;  ///< as built (reference positions)
   [[nodiscard]] NodeView nodes() const;
   /// Largest stable step of the shells alone, s, without safety factor.
   [[nodiscard]] double stable_step() const;
-  /// Membrane stiffness of each node's surroundings, N/m: m / dt_crit^2 with the element's own critical step, the
-  /// material bound below which a contact spring on the node cannot govern the step. One value a node.
+  /// Membrane stiffness of each node's surroundings, N/m: m / dt_crit^2 with the element's own critical step,
+  /// the material bound below which a contact spring on the node cannot govern the step. One value a node.
   [[nodiscard]] std::span<const double> node_contact_stiffness() const;
-  /// One central-difference step. `force` (N, one per node) acts over the step; clamped nodes do not move and the
-  /// reaction to their load is not reported. Throws RunError naming element or node on non-finite values.
+  /// One central-difference step. `force` (N, one per node) acts over the step; clamped nodes do not move and
+  /// the reaction to their load is not reported. Throws RunError naming element or node on non-finite values.
   void step(double dt, const Vec3Array& force);
-  void set_damping(double rate);                 ///< 1/s
+  /// With moments too, N m, one per node.
+  void step(double dt, const Vec3Array& force, const Vec3Array& moment);
+  void set_damping(double rate);  ///< 1/s
   [[nodiscard]] CarpetEnergy energy() const;
+  [[nodiscard]] double kinetic_energy() const;  ///< J, energy().kinetic after the first step; cheap
+  void stop();  ///< takes all velocities away and books their energy as damping
   /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
   [[nodiscard]] Vec3 impulse_received() const;
   [[nodiscard]] Vec3 impulse_to_clamps() const;
   [[nodiscard]] std::uint64_t element_steps() const;
   void set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular);
-  void set_position(std::size_t node, const Vec3& position);  ///< for restoring a settled shape; before stepping only
+  void set_position(std::size_t node,
+                    const Vec3& position);  ///< for restoring a settled shape; before stepping only
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);

@@ -28,26 +28,39 @@ Vec3Array read_vectors(const h5::Group& group, const std::string& name, std::siz
           read_sized(group, name + "_z", count)};
 }
 
-/// Element by element, so that a checkpoint does not depend on the width of the processor's vectors.
-std::vector<double> unpack_state(const ElementArrays& elements) {
-  const std::size_t values = state_values(elements.thickness_points);
-  std::vector<double> flat;
-  flat.reserve(elements.element_count * values);
-  for (const Index slot_index : elements.slot) {
-    const auto slot = static_cast<std::size_t>(slot_index);
-    for (std::size_t v = 0; v < values; ++v)
-      flat.push_back(elements.state[(slot / lanes * values + v) * lanes + slot % lanes]);
+/// Values of the elements' rows and thicknesses.
+std::size_t state_size(const ElementArrays& elements) {
+  std::size_t size = 0;
+  for (const Index slot : elements.slot) {
+    const std::size_t batch = static_cast<std::size_t>(slot) / lanes;
+    size += 1 + elements.family[static_cast<std::size_t>(elements.batch_family[batch])].rows;
   }
+  return size;
+}
+
+/// Calls visit(value) for each element's thickness and rows: element by element, so that a checkpoint does
+/// not depend on the width of the processor's vectors.
+template <class Elements, class Visit>
+void visit_state(Elements& elements, const Visit& visit) {
+  for (const Index slot_index : elements.slot) {
+    const auto slot = static_cast<std::size_t>(slot_index), batch = slot / lanes;
+    const std::size_t first = elements.state_of_batch(batch) + slot % lanes;
+    const std::size_t rows = elements.family[static_cast<std::size_t>(elements.batch_family[batch])].rows;
+    visit(elements.thickness[slot]);
+    for (std::size_t row = 0; row < rows; ++row) visit(elements.state[first + row * lanes]);
+  }
+}
+
+std::vector<double> unpack_state(const ElementArrays& elements) {
+  std::vector<double> flat;
+  flat.reserve(state_size(elements));
+  visit_state(elements, [&flat](double value) { flat.push_back(value); });
   return flat;
 }
 
 void pack_state(const std::vector<double>& flat, ElementArrays& elements) {
-  const std::size_t values = state_values(elements.thickness_points);
-  for (std::size_t e = 0; e < elements.element_count; ++e) {
-    const auto slot = static_cast<std::size_t>(elements.slot[e]);
-    for (std::size_t v = 0; v < values; ++v)
-      elements.state[(slot / lanes * values + v) * lanes + slot % lanes] = flat[e * values + v];
-  }
+  auto next = flat.begin();
+  visit_state(elements, [&next](double& value) { value = *next++; });
 }
 
 /// Block sums keep their blocks, for the same last bits; from a processor of another vector width the total
@@ -88,8 +101,7 @@ void Carpet::save(h5::Group& group) const {
   write_vectors(group, "position", c.nodes.motion.position);
   write_vectors(group, "velocity", c.nodes.motion.velocity);
   write_vectors(group, "angular_velocity", c.nodes.motion.angular_velocity);
-  group.write("element_state", unpack_state(c.elements),
-              {c.elements.element_count, state_values(c.options.thickness_points)});
+  group.write("element_state", unpack_state(c.elements));
   group.write("strain_work", c.elements.strain_work);
   group.write("hourglass_work", c.elements.hourglass_work);
   group.write("node_sums", flatten(c.nodes.sums), {c.nodes.sums.size(), sums_width});
@@ -106,8 +118,7 @@ void Carpet::load(const h5::Group& group) {
   Vec3Array position = read_vectors(group, "position", count),
             velocity = read_vectors(group, "velocity", count);
   Vec3Array angular_velocity = read_vectors(group, "angular_velocity", count);
-  const std::vector<double> state =
-      read_sized(group, "element_state", c.elements.element_count * state_values(c.options.thickness_points));
+  const std::vector<double> state = read_sized(group, "element_state", state_size(c.elements));
   const std::vector<double> sums = read_sized(group, "node_sums", c.nodes.sums.size() * sums_width);
   const std::vector<double> strain_work = group.read_doubles("strain_work");
   const std::vector<double> hourglass_work = group.read_doubles("hourglass_work");

@@ -12,8 +12,12 @@ namespace tuft::fe {
 struct Carpet::Impl {
   Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in, const CarpetOptions& options_in);
 
-  void move(double dt, const Vec3Array& force);
-  void stop_on_instability(double dt, const Vec3Array& force) const;
+  void step(double dt, const Vec3Array& force, const Vec3Array* moment);
+  void update_elements();
+  void settle_elements();
+  void move(double dt, const Vec3Array& force, const Vec3Array* moment);
+  void stop_on_inverted_element() const;
+  void stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const;
   [[nodiscard]] double largest_frequency_squared() const;
 
   ShellMesh mesh;
@@ -21,12 +25,12 @@ struct Carpet::Impl {
   CarpetOptions options;
   ElementArrays elements;
   NodeArrays nodes;
-  ElementBlockFunction update_elements = nullptr;
   std::vector<double> contact_stiffness;  ///< N/m per node
   double wave_speed = 0;                  ///< m/s, largest of the materials
   double initial_stable_step = 0;         ///< s
   double last_step = 0;                   ///< s, length of the step that led to the present positions
   double time = 0;                        ///< s
+  bool from_rest = false;                 ///< stopped since the last step
   std::uint64_t steps = 0;
 };
 

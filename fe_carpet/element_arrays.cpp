@@ -11,29 +11,47 @@ Triple<double> corner_position(const ShellMesh& mesh, std::size_t element, std::
 }
 
 double reference_area(const ShellMesh& mesh, std::size_t e) {
-  return shell_geometry(diagonal_form(corner_position(mesh, e, 0), corner_position(mesh, e, 1),
-                                      corner_position(mesh, e, 2), corner_position(mesh, e, 3)))
+  return shell_frame(corner_modes(corner_position(mesh, e, 0), corner_position(mesh, e, 1),
+                                  corner_position(mesh, e, 2), corner_position(mesh, e, 3)))
       .area;
 }
 
-/// Slots in batches of one material, elements of a material in the order of the mesh.
-void fill_slots(const ShellMesh& mesh, Index material_count, ElementArrays& arrays) {
-  std::vector<std::vector<Index>> of_material(static_cast<std::size_t>(material_count));
+SectionLaw make_law(const ShellMaterial& material) {
+  if (material.relaxation.empty()) return instantaneous_law(material);
+  return viscoelastic_law(material);
+}
+
+/// Slots in batches of one family, elements of a family in the order of the mesh.
+void fill_slots(const ShellMesh& mesh, ElementArrays& arrays) {
+  std::vector<std::vector<Index>> of_family(arrays.family.size());
   for (std::size_t e = 0; e < mesh.quads.size(); ++e)
-    of_material[static_cast<std::size_t>(mesh.material[e])].push_back(static_cast<Index>(e));
+    of_family[static_cast<std::size_t>(mesh.material[e])].push_back(static_cast<Index>(e));
   arrays.slot.resize(mesh.quads.size());
-  for (std::size_t m = 0; m < of_material.size(); ++m)
-    for (std::size_t first = 0; first < of_material[m].size(); first += lanes) {
-      arrays.batch_material.push_back(static_cast<Index>(m));
+  std::size_t state = 0;
+  for (std::size_t m = 0; m < of_family.size(); ++m) {
+    ElementFamily& family = arrays.family[m];
+    family.first_batch = arrays.batch_family.size();
+    family.batch_count = (of_family[m].size() + lanes - 1) / lanes;
+    family.first_state = state;
+    state += family.batch_count * family.rows * lanes;
+    for (std::size_t b = 0; b < family.batch_count; ++b) {
+      arrays.batch_family.push_back(static_cast<Index>(m));
+      const std::size_t first = b * lanes;
       for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const bool padding = first + lane >= of_material[m].size();
-        const Index e = of_material[m][padding ? first : first + lane];
+        const bool padding = first + lane >= of_family[m].size();
+        const Index e = of_family[m][padding ? first : first + lane];
         if (!padding) arrays.slot[static_cast<std::size_t>(e)] = static_cast<Index>(arrays.element.size());
         for (std::size_t corner = 0; corner < 4; ++corner)
           arrays.node[corner].push_back(mesh.quads[static_cast<std::size_t>(e)][corner]);
         arrays.element.push_back(padding ? -1 : e);
       }
     }
+    for (std::size_t b = 0; b < family.batch_count; b += batches_per_block)
+      arrays.block.push_back({m, family.first_batch + b,
+                              family.first_batch + std::min(family.batch_count, b + batches_per_block)});
+  }
+  arrays.batch_count = arrays.batch_family.size();
+  arrays.state.assign(state, 0.0);
 }
 
 }  // namespace
@@ -41,15 +59,17 @@ void fill_slots(const ShellMesh& mesh, Index material_count, ElementArrays& arra
 ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials,
                                   const CarpetOptions& options) {
   ElementArrays arrays;
-  arrays.thickness_points = options.thickness_points;
   arrays.element_count = mesh.quads.size();
-  for (const ShellMaterial& material : materials)
-    arrays.law.push_back(plane_stress_law(material, options.hourglass_coefficient));
-  fill_slots(mesh, static_cast<Index>(materials.size()), arrays);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    ElementFamily family;
+    family.section = m < options.sections.size() ? options.sections[m] : options.section;
+    family.law = make_law(materials[m]);
+    choose_element_function(family);
+    arrays.family.push_back(std::move(family));
+  }
+  fill_slots(mesh, arrays);
 
   const std::size_t slots = arrays.element.size();
-  arrays.batch_count = slots / lanes;
-  arrays.block_count = (arrays.batch_count + batches_per_block - 1) / batches_per_block;
   arrays.thickness.assign(slots, 0.0);
   arrays.mass.assign(slots, 0.0);
   arrays.inertia_ratio.assign(slots, 1.0);
@@ -60,10 +80,10 @@ ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<Shell
     arrays.mass[slot] = materials[static_cast<std::size_t>(mesh.material[e])].density * thickness * area;
     arrays.inertia_ratio[slot] = rotary_inertia_ratio(area, thickness);
   }
-  arrays.state.assign(arrays.batch_count * state_values(options.thickness_points) * lanes, 0.0);
   arrays.forces.assign(arrays.batch_count * batch_values, 0.0);
-  arrays.strain_work.assign(arrays.block_count, 0.0);
-  arrays.hourglass_work.assign(arrays.block_count, 0.0);
+  arrays.strain_work.assign(arrays.block.size(), 0.0);
+  arrays.hourglass_work.assign(arrays.block.size(), 0.0);
+  arrays.uprightness.assign(arrays.block.size(), 1.0);
   return arrays;
 }
 

@@ -2,20 +2,14 @@
 /// State of the elements in structures of arrays, batch by batch of `lanes` elements that the element loop
 /// takes at once.
 #include <array>
+#include <variant>
 #include <vector>
 
 #include "fe_carpet/carpet.h"
 #include "fe_carpet/lanes.h"
-#include "fe_carpet/plane_stress.h"
+#include "fe_carpet/viscoelastic.h"
 
 namespace tuft::fe {
-
-/// Values of state per element: five hourglass forces, then either the eight resultants (one "point": exact
-/// for the elastic law) or two transverse shear stresses and three in-plane stresses per Gauss point.
-inline constexpr std::size_t hourglass_values = 5;
-[[nodiscard]] constexpr std::size_t state_values(int thickness_points) {
-  return hourglass_values + (thickness_points == 1 ? 8U : 2U + 3U * static_cast<unsigned>(thickness_points));
-}
 
 /// Corner forces and moments of a batch: 4 corners x 6 components x lanes.
 inline constexpr std::size_t corner_values = 6 * lanes;
@@ -24,20 +18,53 @@ inline constexpr std::size_t batch_values = 4 * corner_values;
 /// Batches are summed up in blocks of fixed size, so that sums do not depend on the thread count.
 inline constexpr std::size_t batches_per_block = 8;
 
-/// Elements of one material fill a batch; the last batch of a material is padded with copies of thickness
-/// zero, which yield zero forces and energies and that no node gathers.
+/// What a section's elements have in common.
+using SectionLaw = std::variant<IsotropicLaw, ViscoelasticLaw>;
+
+struct ElementArrays;
+struct NodeMotion;
+struct ElementFamily;
+
+/// Strain increments over the last step (length last_step, s), stress update, corner forces and works of some
+/// batches of a family.
+using ElementFunction = void (*)(ElementArrays&, const ElementFamily&, const NodeMotion&, double last_step,
+                                 std::size_t first_batch, std::size_t last_batch, std::size_t block);
+
+/// The elements of one material: one law, one element formulation.
+struct ElementFamily {
+  ShellSection section;
+  SectionLaw law;
+  ElementFunction update = nullptr;
+  std::size_t rows = 0;  ///< values of state per element
+  std::size_t first_batch = 0, batch_count = 0;
+  std::size_t first_state = 0;  ///< in ElementArrays::state, of the first batch
+};
+
+/// A block of batches of one family.
+struct ElementBlock {
+  std::size_t family, first_batch, last_batch;
+};
+
+/// The last batch of a family is padded with copies of thickness zero, which yield zero forces and energies
+/// and that no node gathers.
 struct ElementArrays {
-  int thickness_points = 3;
-  std::size_t element_count = 0, batch_count = 0, block_count = 0;
+  std::vector<ElementFamily> family;  ///< per material of the mesh
+  std::vector<ElementBlock> block;
+  std::size_t element_count = 0, batch_count = 0;
   std::vector<Index> element;              ///< per slot (batch x lanes + lane): element, -1 for padding
   std::vector<Index> slot;                 ///< per element
   std::array<std::vector<Index>, 4> node;  ///< per slot
-  std::vector<Index> batch_material;
-  std::vector<PlaneStressLaw> law;               ///< per material
+  std::vector<Index> batch_family;
   PackedDoubles thickness, mass, inertia_ratio;  ///< per slot: m; kg, 0 for padding; m^2
-  PackedDoubles state;                           ///< [batch][state_values][lane]
+  PackedDoubles state;                           ///< [batch][row][lane], rows of the family
   PackedDoubles forces;  ///< [batch][corner][component][lane], internal forces N and moments N m
   std::vector<double> strain_work, hourglass_work;  ///< J per block, since the start
+  std::vector<double> uprightness;                  ///< per block, the smallest of the last update
+
+  [[nodiscard]] std::size_t state_of_batch(std::size_t batch) const {
+    const ElementFamily& f = family[static_cast<std::size_t>(batch_family[batch])];
+    return f.first_state + (batch - f.first_batch) * f.rows * lanes;
+  }
 };
 
 /// Node coordinates and velocities as the element loop reads them.
@@ -53,10 +80,12 @@ struct NodeMotion {
                                                 const std::vector<ShellMaterial>& materials,
                                                 const CarpetOptions& options);
 
-/// Strain increments over the last step (length last_step, s), stress update, corner forces and works of all
-/// batches of a block. `block` functions of different blocks may run at the same time.
-using ElementBlockFunction = void (*)(ElementArrays&, const NodeMotion&, double last_step, std::size_t block);
-[[nodiscard]] ElementBlockFunction element_block_function(int thickness_points);
+/// Chooses the update function and the number of rows for a family's section and law.
+void choose_element_function(ElementFamily& family);
+
+/// First element that is not upright at the present positions (shell_frame.h), or -1. Only when asked: slow.
+[[nodiscard]] Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes,
+                                          double last_step);
 
 /// Largest frequency bound squared (1/s^2) of the elements of a batch at the present positions; per lane, 0
 /// for padding.

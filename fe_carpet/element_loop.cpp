@@ -1,5 +1,5 @@
-/// The loop over elements: gathers, calls the pure functions of shell_kernel.h and plane_stress.h, scatters
-/// to the corner buffer. It owns the data flow and holds no formula of the element or the material.
+/// The loop over elements: gathers, calls the pure functions of element and material, scatters to the corner
+/// buffer. It owns the data flow and holds no formula of the element or the material.
 #include <array>
 
 #include "fe_carpet/element_arrays.h"
@@ -21,26 +21,27 @@ std::array<Vector, 4> gather_corners(const ElementArrays& elements, const Vec3Ar
   return corner;
 }
 
-DiagonalForm<Pack> diagonals(const std::array<Vector, 4>& f) {
-  return diagonal_form(f[0], f[1], f[2], f[3]);
+CornerModes<Pack> modes(const std::array<Vector, 4>& f) {
+  return corner_modes(f[0], f[1], f[2], f[3]);
 }
 
-DiagonalForm<Pack> combine(const DiagonalForm<Pack>& a, const Pack& scale, const DiagonalForm<Pack>& b) {
-  return {a.along13 + scale * b.along13, a.along24 + scale * b.along24, a.hourglass + scale * b.hourglass};
+CornerModes<Pack> combine(const CornerModes<Pack>& a, const Pack& scale, const CornerModes<Pack>& b) {
+  return {a.xi + scale * b.xi, a.eta + scale * b.eta, a.h + scale * b.h};
 }
 
-/// state[value] of a batch.
+/// Rows of a batch's state, a pack each.
 class StateRows {
  public:
   explicit StateRows(double* first) : first_(first) {}
-  [[nodiscard]] Pack read(std::size_t value) const { return load(first_ + value * lanes); }
-  void write(std::size_t value, const Pack& pack) { store(first_ + value * lanes, pack); }
+  [[nodiscard]] Pack read(std::size_t row) const { return load(first_ + row * lanes); }
+  void write(std::size_t row, const Pack& pack) const { store(first_ + row * lanes, pack); }
+  [[nodiscard]] StateRows from(std::size_t row) const { return StateRows(first_ + row * lanes); }
   /// Adds an increment and returns the mean of before and after, whose product with the strain increment is
   /// the work.
-  Pack advance(std::size_t value, const Pack& increment, Pack& after) {
-    const Pack before = read(value);
+  Pack advance(std::size_t row, const Pack& increment, Pack& after) const {
+    const Pack before = read(row);
     after = before + increment;
-    write(value, after);
+    write(row, after);
     return before + 0.5 * increment;
   }
 
@@ -48,64 +49,82 @@ class StateRows {
   double* first_;
 };
 
-/// One "point": the resultants themselves. Returns the work per area.
-Pack update_resultants(StateRows rows, const PlaneStressLaw& law, const Pack& t, const ShellStrain<Pack>& e,
-                       ShellResultants<Pack>& s) {
-  const ShellResultants<Pack> d = elastic_resultants(law, t, e);
-  constexpr std::size_t first = hourglass_values;
-  Pack work = rows.advance(first + 0, d.nxx, s.nxx) * e.exx;
-  work += rows.advance(first + 1, d.nyy, s.nyy) * e.eyy;
-  work += rows.advance(first + 2, d.nxy, s.nxy) * e.gxy;
-  work += rows.advance(first + 3, d.mxx, s.mxx) * e.kxx;
-  work += rows.advance(first + 4, d.myy, s.myy) * e.kyy;
-  work += rows.advance(first + 5, d.mxy, s.mxy) * e.kxy;
-  work += rows.advance(first + 6, d.qxz, s.qxz) * e.gxz;
-  work += rows.advance(first + 7, d.qyz, s.qyz) * e.gyz;
+constexpr std::size_t drilling_rows = 4, hourglass_rows = 6;
+
+/// Drilling penalty; returns its work.
+Pack advance_drilling(const StateRows& rows, const ModeStiffness<Pack>& k, const ShellModes<Pack>& de,
+                      ShellModes<Pack>& s) {
+  Pack work = rows.advance(0, k.spin * de.spin, s.spin) * de.spin;
+  work += rows.advance(1, k.spin_deviation * de.spin_xi, s.spin_xi) * de.spin_xi;
+  work += rows.advance(2, k.spin_deviation * de.spin_eta, s.spin_eta) * de.spin_eta;
+  work += rows.advance(3, k.spin_deviation * de.spin_h, s.spin_h) * de.spin_h;
   return work;
 }
 
-/// Gauss points through the thickness, each with its own stress. Returns the work per area.
-template <int Points>
-Pack update_points(StateRows rows, const PlaneStressLaw& law, const Pack& t, const ShellStrain<Pack>& e,
-                   ShellResultants<Pack>& s) {
-  constexpr ThicknessRule<Points> rule = thickness_rule<Points>();
-  constexpr std::size_t first_shear = hourglass_values, first_point = hourglass_values + 2;
-  Pack after;
-  Pack work = rows.advance(first_shear, law.transverse_shear * e.gxz, after) * e.gxz;
-  s.qxz = t * after;
-  work += rows.advance(first_shear + 1, law.transverse_shear * e.gyz, after) * e.gyz;
-  s.qyz = t * after;
-  s.nxx = s.nyy = s.nxy = s.mxx = s.myy = s.mxy = Pack(0.0);
-  for (std::size_t p = 0; p < Points; ++p) {
-    const Pack z = t * (0.5 * rule.height[p]);
-    const Pack exx = e.exx + z * e.kxx, eyy = e.eyy + z * e.kyy, gxy = e.gxy + z * e.kxy;
-    const PlaneStress<Pack> d = elastic_stress(law, exx, eyy, gxy);
-    PlaneStress<Pack> stress;
-    const std::size_t first = first_point + 3 * p;
-    Pack point_work = rows.advance(first, d.xx, stress.xx) * exx;
-    point_work += rows.advance(first + 1, d.yy, stress.yy) * eyy;
-    point_work += rows.advance(first + 2, d.xy, stress.xy) * gxy;
-    const Pack weight = t * rule.weight[p], lever = weight * z;
-    work += rule.weight[p] * point_work;
-    s.nxx += weight * stress.xx;
-    s.nyy += weight * stress.yy;
-    s.nxy += weight * stress.xy;
-    s.mxx += lever * stress.xx;
-    s.myy += lever * stress.yy;
-    s.mxy += lever * stress.xy;
+/// Hourglass stiffness of the one-point element; returns its work.
+Pack advance_hourglass(const StateRows& rows, const ModeStiffness<Pack>& k, const ShellModes<Pack>& de,
+                       ShellModes<Pack>& s) {
+  Pack work = rows.advance(0, k.fibre_xi * de.fibre_xi, s.fibre_xi) * de.fibre_xi;
+  work += rows.advance(1, k.fibre_eta * de.fibre_eta, s.fibre_eta) * de.fibre_eta;
+  work += rows.advance(2, k.turn_xx * de.turn_x + k.turn_xy * de.turn_y, s.turn_x) * de.turn_x;
+  work += rows.advance(3, k.turn_xy * de.turn_x + k.turn_yy * de.turn_y, s.turn_y) * de.turn_y;
+  work += rows.advance(4, k.shear_xi_eta * de.shear_xi_eta, s.shear_xi_eta) * de.shear_xi_eta;
+  work += rows.advance(5, k.shear_eta_xi * de.shear_eta_xi, s.shear_eta_xi) * de.shear_eta_xi;
+  return work;
+}
+
+/// Hourglass viscosity: forces proportional to the modes' rates, with the share `ratio` of what would damp
+/// each critically. Returns its work.
+Pack damp_hourglass(const ShellFrame<Pack>& f, const ModeStiffness<Pack>& k, const Pack& mass,
+                    const Pack& inertia_ratio, double ratio, double step, const ShellModes<Pack>& de,
+                    ShellModes<Pack>& s) {
+  using stdx::sqrt;
+  const Pack scale(2 * ratio / step);
+  const auto damp = [&](const Pack& stiffness, const Pack& modal_mass, const Pack& increment, Pack& force) {
+    force = scale * sqrt(stiffness * modal_mass) * increment;
+    return force * increment;
+  };
+  Pack work = damp(k.fibre_xi, mass * (f.x_xi * f.x_xi + f.y_xi * f.y_xi), de.fibre_xi, s.fibre_xi);
+  work += damp(k.fibre_eta, mass * (f.x_eta * f.x_eta + f.y_eta * f.y_eta), de.fibre_eta, s.fibre_eta);
+  work += damp(k.turn_xx, mass * inertia_ratio, de.turn_x, s.turn_x);
+  work += damp(k.turn_yy, mass * inertia_ratio, de.turn_y, s.turn_y);
+  work += damp(k.shear_xi_eta, mass, de.shear_xi_eta, s.shear_xi_eta);
+  work += damp(k.shear_eta_xi, mass, de.shear_eta_xi, s.shear_eta_xi);
+  return work;
+}
+
+ModeStiffness<Pack> scaled_hourglass(ModeStiffness<Pack> k, double coefficient) {
+  for (Pack* mode :
+       {&k.fibre_xi, &k.fibre_eta, &k.turn_xx, &k.turn_xy, &k.turn_yy, &k.shear_xi_eta, &k.shear_eta_xi})
+    *mode = coefficient * *mode;
+  return k;
+}
+
+/// What a batch's elements do in one step, gathered.
+struct BatchStep {
+  ShellFrame<Pack> middle, end;
+  ShellModes<Pack> de;  ///< strain increments
+  Pack thickness;
+};
+
+BatchStep take_step(const ElementArrays& elements, const NodeMotion& nodes, double last_step,
+                    std::size_t batch) {
+  const Pack step(last_step), half_step_back(-0.5 * last_step);
+  const CornerModes<Pack> x = modes(gather_corners(elements, nodes.position, batch));
+  const CornerModes<Pack> v = modes(gather_corners(elements, nodes.velocity, batch));
+  std::array<Vector, 4> r = gather_corners(elements, nodes.angular_velocity, batch);
+  // The rotation vector of a chord, 2 tan(angle/2) to third order: it belongs to the frame halfway.
+  for (Vector& corner : r) {
+    const Vector turn = step * corner;
+    corner = (Pack(1.0) + (1.0 / 12.0) * dot(turn, turn)) * turn;
   }
-  return t * work;
-}
-
-Pack update_hourglass(StateRows rows, const PlaneStressLaw& law, const Pack& t, const ShellGeometry<Pack>& g,
-                      const ShellHourglass<Pack>& d, ShellHourglass<Pack>& q) {
-  const ShellHourglass<Pack> increment = hourglass_resistance(law, t, g, d);
-  Pack work = rows.advance(0, increment.mx, q.mx) * d.mx;
-  work += rows.advance(1, increment.my, q.my) * d.my;
-  work += rows.advance(2, increment.w, q.w) * d.w;
-  work += rows.advance(3, increment.tx, q.tx) * d.tx;
-  work += rows.advance(4, increment.ty, q.ty) * d.ty;
-  return work;
+  BatchStep s;
+  s.middle = shell_frame(combine(x, half_step_back, v));
+  s.de = strain_increments(s.middle, CornerModes<Pack>{step * v.xi, step * v.eta, step * v.h}, modes(r),
+                           corner_mean(r[0], r[1], r[2], r[3]));
+  s.end = shell_frame(x);
+  s.thickness = load(&elements.thickness[batch * lanes]);
+  return s;
 }
 
 void store_corner(double* corner, const Vector& force, const Vector& moment) {
@@ -118,83 +137,211 @@ void store_corner(double* corner, const Vector& force, const Vector& moment) {
 }
 
 void store_forces(double* batch, const ShellForces<Pack>& f) {
-  const Vector mean_plus = f.mean_moment + f.moment.hourglass,
-               mean_minus = f.mean_moment - f.moment.hourglass;
-  store_corner(batch, f.force.hourglass + f.force.along13, mean_plus + f.moment.along13);
-  store_corner(batch + corner_values, f.force.along24 - f.force.hourglass, mean_minus + f.moment.along24);
-  store_corner(batch + 2 * corner_values, f.force.hourglass - f.force.along13, mean_plus - f.moment.along13);
-  const Vector minus_along24 = Pack(-1.0) * f.force.along24;
-  store_corner(batch + 3 * corner_values, minus_along24 - f.force.hourglass, mean_minus - f.moment.along24);
+  const Pack quarter(0.25);
+  const Vector sum = quarter * (f.force.xi + f.force.eta), difference = quarter * (f.force.xi - f.force.eta),
+               h = quarter * f.force.h;
+  const Vector moment_sum = quarter * (f.moment.xi + f.moment.eta),
+               moment_difference = quarter * (f.moment.xi - f.moment.eta), moment_h = quarter * f.moment.h,
+               mean = quarter * f.mean_moment;
+  const Vector even = mean + moment_h, odd = mean - moment_h;
+  store_corner(batch, h - sum, even - moment_sum);
+  store_corner(batch + corner_values, difference - h, odd + moment_difference);
+  store_corner(batch + 2 * corner_values, h + sum, even + moment_sum);
+  store_corner(batch + 3 * corner_values, Pack(-1.0) * difference - h, odd - moment_difference);
 }
 
-template <int Points>
-void update_batch(ElementArrays& elements, const NodeMotion& nodes, double last_step, std::size_t batch,
-                  Pack& strain_work, Pack& hourglass_work) {
-  const PlaneStressLaw& law = elements.law[static_cast<std::size_t>(elements.batch_material[batch])];
-  const Pack t = load(&elements.thickness[batch * lanes]);
-  const Pack step(last_step), half_step_back(-0.5 * last_step);
-  const DiagonalForm<Pack> x = diagonals(gather_corners(elements, nodes.position, batch));
-  const DiagonalForm<Pack> v = diagonals(gather_corners(elements, nodes.velocity, batch));
-  const std::array<Vector, 4> w = gather_corners(elements, nodes.angular_velocity, batch);
+/// Membrane forces and moments in the thickness that the step has led to.
+struct ThinnedSection {
+  SectionForces<Pack> forces;
+  Pack stretch;  ///< of the thickness
+};
 
-  const ShellGeometry<Pack> middle = shell_geometry(combine(x, half_step_back, v));
-  const DiagonalForm<Pack> rate_w = diagonals(w);
-  const DiagonalForm<Pack> d{step * v.along13, step * v.along24, step * v.hourglass};
-  const DiagonalForm<Pack> r{step * rate_w.along13, step * rate_w.along24, step * rate_w.hourglass};
-  const Vector r_sum = step * ((w[0] + w[1]) + (w[2] + w[3]));
-  ShellStrain<Pack> strain;
-  ShellHourglass<Pack> hourglass;
-  strain_increments(middle, d, r, r_sum, strain, hourglass);
-
-  const StateRows rows(&elements.state[batch * state_values(Points) * lanes]);
-  ShellResultants<Pack> resultants;
-  ShellHourglass<Pack> resistance;
-  hourglass_work += update_hourglass(rows, law, t, middle, hourglass, resistance);
-  if constexpr (Points == 1)
-    strain_work += middle.area * update_resultants(rows, law, t, strain, resultants);
-  else
-    strain_work += middle.area * update_points<Points>(rows, law, t, strain, resultants);
-
-  store_forces(&elements.forces[batch * batch_values],
-               nodal_forces(shell_geometry(x), resultants, resistance));
+template <int Points, class Law>
+ThinnedSection advance_thinned(const Law& law, const StateRows& rows, const Pack& t,
+                               const SectionStrain<Pack>& e) {
+  ThinnedSection s{advance_section<Points, Law, Pack>(law, rows, t, e), Pack(1.0)};
+  s.stretch = 1.0 + s.forces.thickness_strain;
+  PlaneStress<Pack>&n = s.forces.force, &m = s.forces.moment;
+  const Pack square = s.stretch * s.stretch;
+  n = {s.stretch * n.xx, s.stretch * n.yy, s.stretch * n.xy};
+  m = {square * m.xx, square * m.yy, square * m.xy};
+  s.forces.work *= 1.0 + 0.5 * s.forces.thickness_strain;
+  return s;
 }
 
-template <int Points>
-void update_block(ElementArrays& elements, const NodeMotion& nodes, double last_step, std::size_t block) {
-  const std::size_t end = std::min(elements.batch_count, (block + 1) * batches_per_block);
-  Pack strain_work(0.0), hourglass_work(0.0);
-  for (std::size_t batch = block * batches_per_block; batch < end; ++batch)
-    update_batch<Points>(elements, nodes, last_step, batch, strain_work, hourglass_work);
-  elements.strain_work[block] += sum_lanes(strain_work);
-  elements.hourglass_work[block] += sum_lanes(hourglass_work);
+/// Sums over the batches of a block.
+struct Works {
+  Pack strain{0.0}, hourglass{0.0};
+  Pack uprightness{1.0};  ///< smallest
+};
+
+template <int Points, class Law>
+void update_one_point(ElementArrays& elements, const ElementFamily& family, const Law& law,
+                      const NodeMotion& nodes, double last_step, std::size_t batch, Works& works) {
+  const BatchStep step = take_step(elements, nodes, last_step, batch);
+  const ShellFrame<Pack>& f = step.middle;
+  const ShellModes<Pack>& de = step.de;
+  const Pack t = step.thickness;
+  const StateRows rows(&elements.state[elements.state_of_batch(batch)]);
+  const ModeStiffness<Pack> k = mode_stiffness<Law, Pack>(law, f, t);
+  const ShellSection& options = family.section;
+  ShellModes<Pack> s;
+  if (options.hourglass == HourglassControl::stiffness) {
+    works.hourglass += advance_hourglass(rows, scaled_hourglass(k, options.hourglass_coefficient), de, s);
+  } else {
+    const double step_length = last_step > 0 ? last_step : 1;  // before the first step nothing has moved
+    works.hourglass += damp_hourglass(f, k, load(&elements.mass[batch * lanes]),
+                                      load(&elements.inertia_ratio[batch * lanes]),
+                                      options.hourglass_coefficient, step_length, de, s);
+  }
+  works.hourglass += advance_drilling(rows.from(hourglass_rows), k, de, s);
+
+  const std::size_t shear = hourglass_rows + drilling_rows, sr = law.shear_rows();
+  const ThinnedSection section = advance_thinned<Points, Law>(
+      law, rows.from(shear + 2 * sr), t, {{de.exx, de.eyy, de.gxy}, {de.kxx, de.kyy, de.kxy}});
+  const Pack gxz = f.xi_x * de.shear_xi + f.eta_x * de.shear_eta;
+  const Pack gyz = f.xi_y * de.shear_xi + f.eta_y * de.shear_eta;
+  const ShearAdvance<Pack> xz = law.template advance_shear<Pack>(rows.from(shear), gxz);
+  const ShearAdvance<Pack> yz = law.template advance_shear<Pack>(rows.from(shear + sr), gyz);
+  works.strain += f.area * (section.forces.work + t * (xz.mean * gxz + yz.mean * gyz));
+  store(&elements.thickness[batch * lanes], t * section.stretch);
+
+  works.uprightness = stdx::min(works.uprightness, uprightness(f, step.end));
+
+  const Pack area = step.end.area, shear_area = area * t * section.stretch;
+  const SectionForces<Pack>& forces = section.forces;
+  s.exx = area * forces.force.xx;
+  s.eyy = area * forces.force.yy;
+  s.gxy = area * forces.force.xy;
+  s.kxx = area * forces.moment.xx;
+  s.kyy = area * forces.moment.yy;
+  s.kxy = area * forces.moment.xy;
+  s.shear_xi = shear_area * (step.end.xi_x * xz.stress + step.end.xi_y * yz.stress);
+  s.shear_eta = shear_area * (step.end.eta_x * xz.stress + step.end.eta_y * yz.stress);
+  store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
+}
+
+FibrePair<Pack> fibres(const ShellFrame<Pack>& f, double poisson) {
+  const Pack nu(poisson);
+  return {fibre_strain(f.x_xi, f.y_xi, nu), fibre_strain(f.x_eta, f.y_eta, nu)};
+}
+
+template <int Points, class Law>
+void update_full(ElementArrays& elements, const ElementFamily& /*family*/, const Law& law,
+                 const NodeMotion& nodes, double last_step, std::size_t batch, Works& works) {
+  constexpr double gauss = 0.57735026918962576;
+  const BatchStep step = take_step(elements, nodes, last_step, batch);
+  const Pack t = step.thickness, zero(0.0);
+  const StateRows rows(&elements.state[elements.state_of_batch(batch)]);
+  ShellModes<Pack> s{zero, zero, zero, zero, zero, zero, zero, zero, zero,
+                     zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  const Pack drilling = step.middle.area * t * law.drilling_modulus();
+  ModeStiffness<Pack> k;
+  k.spin = drilling_share * drilling;
+  k.spin_deviation = (drilling_share_of_deviations / 3) * drilling;
+  works.hourglass += advance_drilling(rows, k, step.de, s);
+
+  const std::size_t sr = law.shear_rows(), point_rows = 2 * sr + section_rows<Points>(law);
+  const FibrePair<Pack> before = fibres(step.middle, law.poisson), after = fibres(step.end, law.poisson);
+  Pack stretch(0.0);
+  for (std::size_t p = 0; p < 4; ++p) {
+    const double xi = p == 0 || p == 3 ? -gauss : gauss, eta = p < 2 ? -gauss : gauss;
+    const PointShape<Pack> shape = point_shape(step.middle, xi, eta);
+    const PointStrain<Pack> e = strain_at(shape, before, step.de, xi, eta);
+    const StateRows point = rows.from(drilling_rows + p * point_rows);
+    const ShearAdvance<Pack> xz = law.template advance_shear<Pack>(point, e.gxz);
+    const ShearAdvance<Pack> yz = law.template advance_shear<Pack>(point.from(sr), e.gyz);
+    const ThinnedSection section = advance_thinned<Points, Law>(law, point.from(2 * sr), t, e.section);
+    works.strain += shape.j.determinant * (section.forces.work + t * (xz.mean * e.gxz + yz.mean * e.gyz));
+    stretch += 0.25 * section.stretch;
+    const Pack thinned = t * section.stretch;
+    add_point_forces(point_shape(step.end, xi, eta), after, section.forces, thinned * xz.stress,
+                     thinned * yz.stress, xi, eta, s);
+  }
+  works.uprightness = stdx::min(works.uprightness, uprightness(step.middle, step.end));
+  store(&elements.thickness[batch * lanes], t * stretch);
+  store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
+}
+
+template <ElementKind Kind, int Points, class Law>
+void update_batches(ElementArrays& elements, const ElementFamily& family, const NodeMotion& nodes,
+                    double last_step, std::size_t first, std::size_t last, std::size_t block) {
+  const Law& law = std::get<Law>(family.law);
+  Works works;
+  for (std::size_t batch = first; batch < last; ++batch) {
+    if constexpr (Kind == ElementKind::one_point)
+      update_one_point<Points, Law>(elements, family, law, nodes, last_step, batch, works);
+    else
+      update_full<Points, Law>(elements, family, law, nodes, last_step, batch, works);
+  }
+  elements.strain_work[block] += sum_lanes(works.strain);
+  elements.hourglass_work[block] += sum_lanes(works.hourglass);
+  elements.uprightness[block] = stdx::hmin(works.uprightness);
+}
+
+template <int Points, class Law>
+void choose(ElementFamily& family, const Law& law) {
+  const std::size_t point_rows = 2 * law.shear_rows() + section_rows<Points>(law);
+  if (family.section.element == ElementKind::one_point) {
+    family.update = update_batches<ElementKind::one_point, Points, Law>;
+    family.rows = hourglass_rows + drilling_rows + point_rows;
+  } else {
+    family.update = update_batches<ElementKind::fully_integrated, Points, Law>;
+    family.rows = drilling_rows + 4 * point_rows;
+  }
 }
 
 }  // namespace
 
-ElementBlockFunction element_block_function(int thickness_points) {
-  switch (thickness_points) {
-    case 1:
-      return update_block<1>;
-    case 2:
-      return update_block<2>;
-    case 3:
-      return update_block<3>;
-    case 4:
-      return update_block<4>;
-    case 5:
-      return update_block<5>;
-    default:
-      return nullptr;
-  }
+void choose_element_function(ElementFamily& family) {
+  std::visit(
+      [&family](const auto& law) {
+        switch (family.section.thickness_points) {
+          case 2:
+            return choose<2>(family, law);
+          case 3:
+            return choose<3>(family, law);
+          case 4:
+            return choose<4>(family, law);
+          case 5:
+            return choose<5>(family, law);
+          default:
+            return choose<1>(family, law);
+        }
+      },
+      family.law);
 }
 
 Pack batch_frequency_squared(const ElementArrays& elements, const Vec3Array& position, std::size_t batch) {
-  const PlaneStressLaw& law = elements.law[static_cast<std::size_t>(elements.batch_material[batch])];
-  const ShellGeometry<Pack> g = shell_geometry(diagonals(gather_corners(elements, position, batch)));
-  const Pack mass = load(&elements.mass[batch * lanes]);
-  const Pack padding_safe_mass = stdx::max(mass, Pack(1e-300));
-  return frequency_squared_bound(g, law, load(&elements.thickness[batch * lanes]), padding_safe_mass,
-                                 load(&elements.inertia_ratio[batch * lanes]));
+  const ElementFamily& family = elements.family[static_cast<std::size_t>(elements.batch_family[batch])];
+  const IsotropicLaw& law = std::visit(
+      [](const auto& l) -> const IsotropicLaw& {
+        if constexpr (std::is_same_v<std::decay_t<decltype(l)>, IsotropicLaw>)
+          return l;
+        else
+          return l.instantaneous;
+      },
+      family.law);
+  const ShellFrame<Pack> f = shell_frame(modes(gather_corners(elements, position, batch)));
+  const Pack t = load(&elements.thickness[batch * lanes]);
+  const Pack padding_safe_mass = stdx::max(load(&elements.mass[batch * lanes]), Pack(1e-300));
+  ModeStiffness<Pack> k = mode_stiffness<IsotropicLaw, Pack>(law, f, t);
+  if (family.section.element == ElementKind::one_point)
+    k = scaled_hourglass(k, family.section.hourglass_coefficient);
+  return frequency_squared_bound(f, law, t, padding_safe_mass, load(&elements.inertia_ratio[batch * lanes]),
+                                 k);
+}
+
+Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes, double last_step) {
+  for (std::size_t batch = 0; batch < elements.batch_count; ++batch) {
+    const CornerModes<Pack> x = modes(gather_corners(elements, nodes.position, batch));
+    const CornerModes<Pack> v = modes(gather_corners(elements, nodes.velocity, batch));
+    const Pack upright = uprightness(shell_frame(combine(x, Pack(-0.5 * last_step), v)), shell_frame(x));
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      if (!(upright[lane] > 0) && elements.element[batch * lanes + lane] >= 0)
+        return elements.element[batch * lanes + lane];
+  }
+  return -1;
 }
 
 }  // namespace tuft::fe

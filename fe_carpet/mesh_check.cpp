@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "fe_carpet/carpet.h"
-#include "fe_carpet/shell_kernel.h"
+#include "fe_carpet/shell_frame.h"
 
 namespace tuft::fe {
 namespace {
@@ -25,6 +25,12 @@ void check_sizes(const ShellMesh& mesh) {
     throw_input_error(
         "carpet mesh: {} x, {} y, {} z coordinates and {} clamp marks; give one of each per node",
         mesh.nodes.x.size(), mesh.nodes.y.size(), mesh.nodes.z.size(), mesh.clamped.size());
+}
+
+void check_constraints(const ShellMesh& mesh) {
+  if (!mesh.constraints.empty() && mesh.constraints.size() != mesh.nodes.size())
+    throw_input_error("carpet mesh: {} constraints for {} nodes; give one per node, or none",
+                      mesh.constraints.size(), mesh.nodes.size());
 }
 
 void check_indices(const ShellMesh& mesh, std::size_t e) {
@@ -82,6 +88,7 @@ void check_shape(const ShellMesh& mesh, std::size_t e) {
 
 void check_mesh(const ShellMesh& mesh) {
   check_sizes(mesh);
+  check_constraints(mesh);
   std::vector<std::uint8_t> used(mesh.nodes.size(), 0);
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
     check_indices(mesh, e);

@@ -26,11 +26,21 @@ struct NodeArrays {
   std::vector<double> mass, inertia;                  ///< kg, kg m^2
   std::vector<double> free;                           ///< 1, or 0 for clamped nodes
   std::vector<double> inverse_mass, inverse_inertia;  ///< 0 for clamped nodes
+  /// For meshes with constraints on single components: free, inverse mass or inertia by component (x, y, z,
+  /// then the rotations); otherwise empty, and the three above serve all.
+  std::array<std::vector<double>, 6> component_free, component_inverse;
   std::vector<std::uint8_t> clamped;
   std::vector<Index> first_corner;   ///< per node and one more: range in corner_offset
   std::vector<Index> corner_offset;  ///< first value of a corner in ElementArrays::forces
   std::vector<NodeSums> sums;        ///< per block
   [[nodiscard]] std::size_t size() const { return mass.size(); }
+  [[nodiscard]] const double* free_of(std::size_t c) const {
+    return component_free[c].empty() ? free.data() : component_free[c].data();
+  }
+  [[nodiscard]] const double* inverse_of(std::size_t c) const {
+    if (!component_inverse[c].empty()) return component_inverse[c].data();
+    return c < 3 ? inverse_mass.data() : inverse_inertia.data();
+  }
 };
 
 [[nodiscard]] NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements);
@@ -39,11 +49,15 @@ struct NodeStep {
   double length;   ///< s
   double damping;  ///< 1/s
   Vec3 gravity;    ///< m/s^2
+  /// Share of the kick that is taken off before it: 1/2 makes nodes at rest start from rest at the moment of
+  /// the forces, not half a step before, which would make the fastest modes swing further than they stood.
+  /// Otherwise 0.
+  double taken_off = 0;
 };
 
-/// Velocities to t + dt/2 under internal, external (force, N per node) and damping forces, then positions to
-/// t + dt. Different blocks may run at the same time.
+/// Velocities to t + dt/2 under internal, external (force, N, and moment, N m, or null, per node) and damping
+/// forces, then positions to t + dt. Different blocks may run at the same time.
 void update_node_block(NodeArrays& nodes, const ElementArrays& elements, const Vec3Array& force,
-                       const NodeStep& step, std::size_t block);
+                       const Vec3Array* moment, const NodeStep& step, std::size_t block);
 
 }  // namespace tuft::fe

@@ -37,6 +37,12 @@ NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements
     nodes.inverse_mass.push_back(is_free / nodes.mass[n]);
     nodes.inverse_inertia.push_back(is_free / nodes.inertia[n]);
   }
+  for (std::size_t c = 0; c < 6 && !mesh.constraints.empty(); ++c)
+    for (std::size_t n = 0; n < count; ++n) {
+      const double is_free = mesh.clamped[n] || (mesh.constraints[n] >> c & 1) ? 0.0 : 1.0;
+      nodes.component_free[c].push_back(is_free);
+      nodes.component_inverse[c].push_back(is_free / (c < 3 ? nodes.mass[n] : nodes.inertia[n]));
+    }
   nodes.sums.resize((count + nodes_per_block - 1) / nodes_per_block);
   return nodes;
 }
@@ -67,17 +73,18 @@ struct ComponentSums {
 
 /// One translational component: m (v+ - v-)/dt = f - f_int - c m (v+ + v-)/2, so that the damping's work over
 /// the step is exactly c m ((v+ + v-)/2)^2 dt and the load's f (v+ + v-)/2 dt.
-ComponentSums move_component(const NodeArrays& nodes, const double* internal, const double* load,
-                             double gravity, const NodeStep& step, std::size_t begin, std::size_t end,
-                             double* velocity, double* position) {
+ComponentSums move_component(const NodeArrays& nodes, std::size_t c, const double* internal,
+                             const double* load, double gravity, const NodeStep& step, std::size_t begin,
+                             std::size_t end, double* velocity, double* position) {
   const double dt = step.length, damping = step.damping, scale = 1 / (1 + 0.5 * damping * dt);
-  const double kept = (1 - 0.5 * damping * dt) * scale, kick = dt * scale;
+  const double kept = (1 - 0.5 * damping * dt) * scale, kick = dt * scale, taken_off = step.taken_off * kick;
+  const double *is_free = nodes.free_of(c), *inverse = nodes.inverse_of(c);
   double kinetic = 0, external_work = 0, damping_work = 0, impulse = 0, clamp_impulse = 0;
 #pragma omp simd reduction(+ : kinetic, external_work, damping_work, impulse, clamp_impulse)
   for (std::size_t n = begin; n < end; ++n) {
-    const double before = velocity[n], given = load[n];
-    const double acceleration =
-        (given - internal[n - begin]) * nodes.inverse_mass[n] + gravity * nodes.free[n];
+    const double given = load[n];
+    const double acceleration = (given - internal[n - begin]) * inverse[n] + gravity * is_free[n];
+    const double before = velocity[n] - taken_off * acceleration;
     const double after = kept * before + kick * acceleration;
     const double mean = 0.5 * (before + after);
     velocity[n] = after;
@@ -85,27 +92,33 @@ ComponentSums move_component(const NodeArrays& nodes, const double* internal, co
     kinetic += nodes.mass[n] * (before * before + after * after);
     external_work += given * mean;
     damping_work += nodes.mass[n] * mean * mean;
-    impulse += given * nodes.free[n];
-    clamp_impulse += given * (1 - nodes.free[n]);
+    impulse += given * is_free[n];
+    clamp_impulse += given * (1 - is_free[n]);
   }
   return {0.25 * kinetic, dt * external_work, dt * damping * damping_work, dt * impulse, dt * clamp_impulse};
 }
 
-ComponentSums turn_component(const NodeArrays& nodes, const double* internal, const NodeStep& step,
-                             std::size_t begin, std::size_t end, double* velocity) {
+template <bool Loaded>
+ComponentSums turn_component(const NodeArrays& nodes, std::size_t c, const double* internal,
+                             const double* load, const NodeStep& step, std::size_t begin, std::size_t end,
+                             double* velocity) {
+  const double* inverse = nodes.inverse_of(c + 3);
   const double dt = step.length, damping = step.damping, scale = 1 / (1 + 0.5 * damping * dt);
-  const double kept = (1 - 0.5 * damping * dt) * scale, kick = dt * scale;
-  double kinetic = 0, damping_work = 0;
-#pragma omp simd reduction(+ : kinetic, damping_work)
+  const double kept = (1 - 0.5 * damping * dt) * scale, kick = dt * scale, taken_off = step.taken_off * kick;
+  double kinetic = 0, external_work = 0, damping_work = 0;
+#pragma omp simd reduction(+ : kinetic, external_work, damping_work)
   for (std::size_t n = begin; n < end; ++n) {
-    const double before = velocity[n];
-    const double after = kept * before - kick * internal[n - begin] * nodes.inverse_inertia[n];
+    const double given = Loaded ? load[n] : 0.0;
+    const double acceleration = (given - internal[n - begin]) * inverse[n];
+    const double before = velocity[n] - taken_off * acceleration;
+    const double after = kept * before + kick * acceleration;
     const double mean = 0.5 * (before + after);
     velocity[n] = after;
     kinetic += nodes.inertia[n] * (before * before + after * after);
+    external_work += given * mean;
     damping_work += nodes.inertia[n] * mean * mean;
   }
-  return {0.25 * kinetic, 0, dt * damping * damping_work, 0, 0};
+  return {0.25 * kinetic, dt * external_work, dt * damping * damping_work, 0, 0};
 }
 
 double largest_speed_squared(const Vec3Array& velocity, std::size_t begin, std::size_t end) {
@@ -120,7 +133,7 @@ double largest_speed_squared(const Vec3Array& velocity, std::size_t begin, std::
 }  // namespace
 
 void update_node_block(NodeArrays& nodes, const ElementArrays& elements, const Vec3Array& force,
-                       const NodeStep& step, std::size_t block) {
+                       const Vec3Array* moment, const NodeStep& step, std::size_t block) {
   const std::size_t begin = block * nodes_per_block, end = std::min(nodes.size(), begin + nodes_per_block);
   BlockForces internal;
   gather_forces(nodes, elements.forces, begin, end, internal);
@@ -133,17 +146,20 @@ void update_node_block(NodeArrays& nodes, const ElementArrays& elements, const V
   const std::array<double*, 3> spin{motion.angular_velocity.x.data(), motion.angular_velocity.y.data(),
                                     motion.angular_velocity.z.data()};
   const std::array<const double*, 3> load{force.x.data(), force.y.data(), force.z.data()};
+  std::array<const double*, 3> couple{};
+  if (moment) couple = {moment->x.data(), moment->y.data(), moment->z.data()};
 
   NodeSums& sums = nodes.sums[block];
   sums.kinetic = sums.last_external_work = sums.last_damping_work = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const ComponentSums linear = move_component(nodes, internal.component[c].data(), load[c],
+    const ComponentSums linear = move_component(nodes, c, internal.component[c].data(), load[c],
                                                 step.gravity[static_cast<Eigen::Index>(c)], step, begin, end,
                                                 velocity[c], position[c]);
     const ComponentSums angular =
-        turn_component(nodes, internal.component[c + 3].data(), step, begin, end, spin[c]);
+        (moment ? turn_component<true> : turn_component<false>)(nodes, c, internal.component[c + 3].data(),
+                                                                couple[c], step, begin, end, spin[c]);
     sums.kinetic += linear.kinetic + angular.kinetic;
-    sums.last_external_work += linear.external_work;
+    sums.last_external_work += linear.external_work + angular.external_work;
     sums.last_damping_work += linear.damping_work + angular.damping_work;
     sums.impulse_received[c] += linear.impulse;
     sums.impulse_to_clamps[c] += linear.clamp_impulse;

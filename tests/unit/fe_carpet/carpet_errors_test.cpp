@@ -34,11 +34,11 @@ TEST(CarpetInput, AMaterialThatIsMissingNamesTheElement) {
 
 TEST(CarpetInput, UnusableOptionsAreNamed) {
   CarpetOptions options;
-  options.thickness_points = 6;
+  options.section.thickness_points = 6;
   expect_error<InputError>([&] { strip_carpet(options); }, {"6 thickness points", "1 to 5"});
   options = {};
-  options.hourglass_coefficient = 0.5;
-  expect_error<InputError>([&] { strip_carpet(options); }, {"hourglass coefficient 0.5"});
+  options.section.hourglass_coefficient = 1.5;
+  expect_error<InputError>([&] { strip_carpet(options); }, {"hourglass coefficient 1.5"});
   options = {};
   options.damping = -1;
   expect_error<InputError>([&] { strip_carpet(options); }, {"damping is -1"});

@@ -28,11 +28,11 @@ double peak(double step_safety, int nudge) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   RunRequest request;
-  request.scene = read_scene("inputs/clegg_small.toml",
-                             {{"scene.duration", "15 ms"},
-                              {"output.frames", "5 ms"},
-                              {"numerics.step_safety", fmt::format("{}", step_safety)},
-                              {"rig.speed", fmt::format("\"{}e-8 m/s\"", 285000000 + nudge)}});
+  request.scene =
+      read_scene("inputs/clegg_small.toml", {{"scene.duration", "15 ms"},
+                                             {"output.frames", "5 ms"},
+                                             {"numerics.step_safety", fmt::format("{}", step_safety)},
+                                             {"rig.speed", fmt::format("\"{}e-8 m/s\"", 285000000 + nudge)}});
   request.folder = folder;
   const RunSummary summary = run(request);
   std::filesystem::remove_all(folder);

@@ -104,18 +104,25 @@ TEST(ClampedStrip, ReportsLoadsOnClampsApartAndStaysPut) {
   EXPECT_EQ(carpet.energy().external_work, 0);
 }
 
-TEST(DrillingRotation, OfAFlatStripMeetsNoResistanceAndMovesNothing) {
+TEST(DrillingRotation, OfAFlatStripKeepsItsEnergyAndMovesTheStripByItsAngularMomentumOnly) {
   const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 3}, false);
   Carpet carpet(strip.mesh, {polyethylene()}, no_gravity());
   for (std::size_t n = 0; n < strip.node_count(); ++n)
-    carpet.set_velocity(n, Vec3(0, 0, 0), Vec3(0, 0, 1000 * std::sin(3.1 * static_cast<double>(n))));
+    carpet.set_velocity(n, Vec3(0, 0, 0), Vec3(0, 0, 10 * std::sin(3.1 * static_cast<double>(n))));
   const Vec3Array load = no_load(strip.node_count());
-  const double kinetic = carpet.energy().kinetic, dt = 0.9 * carpet.stable_step();
-  for (int i = 0; i < 5000; ++i) carpet.step(dt, load);
-  EXPECT_EQ(carpet.energy().strain, 0);
-  EXPECT_NEAR(carpet.energy().kinetic / kinetic, 1, 1e-12);
-  for (std::size_t n = 0; n < strip.node_count(); ++n)
-    EXPECT_EQ(position(carpet, static_cast<Index>(n)), strip.mesh.nodes[n]);
+  const double start = total(carpet.energy()), dt = 0.5 * carpet.stable_step();
+  double largest_error = 0;
+  for (int i = 0; i < 5000; ++i) {
+    carpet.step(dt, load);
+    largest_error = std::max(largest_error, std::abs(total(carpet.energy()) / start - 1));
+  }
+  EXPECT_LT(largest_error, 1e-3);
+  EXPECT_GT(carpet.energy().kinetic, 0.1 * start);
+  // A penalty of a hundredth of the shear modulus: the membrane takes part, the plane stays one.
+  for (std::size_t n = 0; n < strip.node_count(); ++n) {
+    EXPECT_LT((position(carpet, static_cast<Index>(n)) - strip.mesh.nodes[n]).norm(), 1e-5);
+    EXPECT_LT(std::abs(position(carpet, static_cast<Index>(n)).z()), 1e-15);
+  }
 }
 
 TEST_F(Turf, StruckKeepsItsEnergyAndHourglassesLittle) {
@@ -188,7 +195,7 @@ TEST_F(Turf, GoesOnBitForBitFromACheckpoint) {
   const ShellMesh mesh = small_turf();
   for (const int points : {1, 3}) {
     CarpetOptions options = damped();
-    options.thickness_points = points;
+    options.section.thickness_points = points;
     Carpet whole(mesh, turf_materials(), options), first_half(mesh, turf_materials(), options);
     shake(whole);
     shake(first_half);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fe_carpet/carpet.h"
-#include "fe_carpet/plane_stress.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe::test {
@@ -13,16 +12,67 @@ namespace tuft::fe::test {
 /// Three translations and three rotations per node, and likewise forces and moments.
 using NodalVector = std::vector<std::array<double, 6>>;
 
+/// Elastic forces of one element's strains at its initial shape.
+inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const IsotropicLaw& law, double t,
+                                        const ShellSection& section, const ShellModes<double>& e) {
+  ShellModes<double> s{};
+  const ModeStiffness<double> k = mode_stiffness(law, f, t);
+  const auto plane = [&](const SectionStrain<double>& strain) {
+    SectionForces<double> forces{};
+    const PlaneStrain<double>&m = strain.membrane, &c = strain.curvature;
+    const PlaneStress<double> n = law.stress(m.xx, m.yy, m.xy), b = law.stress(c.xx, c.yy, c.xy);
+    const double inertia = t * t * t / 12;
+    forces.force = {t * n.xx, t * n.yy, t * n.xy};
+    forces.moment = {inertia * b.xx, inertia * b.yy, inertia * b.xy};
+    return forces;
+  };
+  s.spin = k.spin * e.spin;
+  s.spin_xi = k.spin_deviation * e.spin_xi;
+  s.spin_eta = k.spin_deviation * e.spin_eta;
+  s.spin_h = k.spin_deviation * e.spin_h;
+  if (section.element == ElementKind::one_point) {
+    const SectionForces<double> forces = plane({{e.exx, e.eyy, e.gxy}, {e.kxx, e.kyy, e.kxy}});
+    s.exx = f.area * forces.force.xx;
+    s.eyy = f.area * forces.force.yy;
+    s.gxy = f.area * forces.force.xy;
+    s.kxx = f.area * forces.moment.xx;
+    s.kyy = f.area * forces.moment.yy;
+    s.kxy = f.area * forces.moment.xy;
+    const double shear = t * f.area * law.transverse_shear;
+    const double qxz = shear * (f.xi_x * e.shear_xi + f.eta_x * e.shear_eta);
+    const double qyz = shear * (f.xi_y * e.shear_xi + f.eta_y * e.shear_eta);
+    s.shear_xi = f.xi_x * qxz + f.xi_y * qyz;
+    s.shear_eta = f.eta_x * qxz + f.eta_y * qyz;
+    const double c = section.hourglass == HourglassControl::stiffness ? section.hourglass_coefficient : 0;
+    s.fibre_xi = c * k.fibre_xi * e.fibre_xi;
+    s.fibre_eta = c * k.fibre_eta * e.fibre_eta;
+    s.turn_x = c * (k.turn_xx * e.turn_x + k.turn_xy * e.turn_y);
+    s.turn_y = c * (k.turn_xy * e.turn_x + k.turn_yy * e.turn_y);
+    s.shear_xi_eta = c * k.shear_xi_eta * e.shear_xi_eta;
+    s.shear_eta_xi = c * k.shear_eta_xi * e.shear_eta_xi;
+    return s;
+  }
+  const FibrePair<double> fibre{fibre_strain(f.x_xi, f.y_xi, law.poisson),
+                                fibre_strain(f.x_eta, f.y_eta, law.poisson)};
+  const double gauss = 1 / std::sqrt(3.0);
+  for (const double xi : {-gauss, gauss})
+    for (const double eta : {-gauss, gauss}) {
+      const PointShape<double> shape = point_shape(f, xi, eta);
+      const PointStrain<double> strain = strain_at(shape, fibre, e, xi, eta);
+      add_point_forces(shape, fibre, plane(strain.section), t * law.transverse_shear * strain.gxz,
+                       t * law.transverse_shear * strain.gyz, xi, eta, s);
+    }
+  return s;
+}
+
 class LinearModel {
  public:
-  LinearModel(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials,
-              double hourglass_coefficient)
-      : mesh_(mesh), mass_(mesh.nodes.size(), 0.0), inertia_(mesh.nodes.size(), 0.0) {
-    for (const ShellMaterial& material : materials)
-      law_.push_back(plane_stress_law(material, hourglass_coefficient));
+  LinearModel(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials, const ShellSection& section)
+      : mesh_(mesh), section_(section), mass_(mesh.nodes.size(), 0.0), inertia_(mesh.nodes.size(), 0.0) {
+    for (const ShellMaterial& material : materials) law_.push_back(instantaneous_law(material));
     for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
-      geometry_.push_back(shell_geometry(diagonal_form(point(e, 0), point(e, 1), point(e, 2), point(e, 3))));
-      const double area = geometry_[e].area, t = mesh.thickness[e];
+      frame_.push_back(shell_frame(corner_modes(point(e, 0), point(e, 1), point(e, 2), point(e, 3))));
+      const double area = frame_[e].area, t = mesh.thickness[e];
       const double mass = materials[static_cast<std::size_t>(mesh.material[e])].density * t * area;
       for (const Index n : mesh.quads[e]) {
         mass_[static_cast<std::size_t>(n)] += mass / 4;
@@ -35,33 +85,38 @@ class LinearModel {
   [[nodiscard]] NodalVector internal_forces(const NodalVector& u) const {
     NodalVector f(u.size(), {0, 0, 0, 0, 0, 0});
     for (std::size_t e = 0; e < mesh_.quads.size(); ++e) {
-      ShellStrain<double> strain{};
-      ShellHourglass<double> hourglass{};
-      strains(e, u, strain, hourglass);
-      const PlaneStressLaw& law = law_[static_cast<std::size_t>(mesh_.material[e])];
-      const double t = mesh_.thickness[e];
-      const ShellForces<double> s = nodal_forces(geometry_[e], elastic_resultants(law, t, strain),
-                                                 hourglass_resistance(law, t, geometry_[e], hourglass));
-      add(f, e, 0, 1, s.force.along13, 1, s);
-      add(f, e, 1, 1, s.force.along24, -1, s);
-      add(f, e, 2, -1, s.force.along13, 1, s);
-      add(f, e, 3, -1, s.force.along24, -1, s);
+      const IsotropicLaw& law = law_[static_cast<std::size_t>(mesh_.material[e])];
+      const ShellForces<double> s =
+          nodal_forces(frame_[e], elastic_modes(frame_[e], law, mesh_.thickness[e], section_, strains(e, u)));
+      constexpr std::array<double, 4> xi{-1, 1, 1, -1}, eta{-1, -1, 1, 1}, h{1, -1, 1, -1};
+      for (std::size_t c = 0; c < 4; ++c) {
+        auto& v = f[static_cast<std::size_t>(mesh_.quads[e][c])];
+        const Triple<double> force = 0.25 * (xi[c] * s.force.xi + eta[c] * s.force.eta + h[c] * s.force.h);
+        const Triple<double> moment =
+            0.25 * (xi[c] * s.moment.xi + eta[c] * s.moment.eta + h[c] * s.moment.h + s.mean_moment);
+        v[0] += force.x;
+        v[1] += force.y;
+        v[2] += force.z;
+        v[3] += moment.x;
+        v[4] += moment.y;
+        v[5] += moment.z;
+      }
     }
     return f;
   }
 
-  void strains(std::size_t e, const NodalVector& u, ShellStrain<double>& strain,
-               ShellHourglass<double>& hourglass) const {
+  [[nodiscard]] ShellModes<double> strains(std::size_t e, const NodalVector& u) const {
     std::array<Triple<double>, 4> d{}, r{};
     for (std::size_t c = 0; c < 4; ++c) {
       const auto& v = u[static_cast<std::size_t>(mesh_.quads[e][c])];
       d[c] = {v[0], v[1], v[2]};
       r[c] = {v[3], v[4], v[5]};
     }
-    strain_increments(geometry_[e], diagonal_form(d[0], d[1], d[2], d[3]),
-                      diagonal_form(r[0], r[1], r[2], r[3]), (r[0] + r[1]) + (r[2] + r[3]), strain,
-                      hourglass);
+    return strain_increments(frame_[e], corner_modes(d[0], d[1], d[2], d[3]),
+                             corner_modes(r[0], r[1], r[2], r[3]), corner_mean(r[0], r[1], r[2], r[3]));
   }
+
+  [[nodiscard]] const ShellFrame<double>& frame(std::size_t e) const { return frame_[e]; }
 
   /// Largest eigenvalue of M^-1 K by power iteration with clamped nodes held; converges from below.
   [[nodiscard]] double largest_frequency_squared(int iterations) const {
@@ -94,21 +149,11 @@ class LinearModel {
     const auto n = static_cast<std::size_t>(mesh_.quads[e][corner]);
     return {mesh_.nodes.x[n], mesh_.nodes.y[n], mesh_.nodes.z[n]};
   }
-  void add(NodalVector& f, std::size_t e, std::size_t corner, double sign, const Triple<double>& along,
-           double h, const ShellForces<double>& s) const {
-    const Triple<double>& moment = corner % 2 == 0 ? s.moment.along13 : s.moment.along24;
-    auto& v = f[static_cast<std::size_t>(mesh_.quads[e][corner])];
-    v[0] += sign * along.x + h * s.force.hourglass.x;
-    v[1] += sign * along.y + h * s.force.hourglass.y;
-    v[2] += sign * along.z + h * s.force.hourglass.z;
-    v[3] += sign * moment.x + h * s.moment.hourglass.x + s.mean_moment.x;
-    v[4] += sign * moment.y + h * s.moment.hourglass.y + s.mean_moment.y;
-    v[5] += sign * moment.z + h * s.moment.hourglass.z + s.mean_moment.z;
-  }
 
   ShellMesh mesh_;
-  std::vector<PlaneStressLaw> law_;
-  std::vector<ShellGeometry<double>> geometry_;
+  ShellSection section_;
+  std::vector<IsotropicLaw> law_;
+  std::vector<ShellFrame<double>> frame_;
   std::vector<double> mass_, inertia_;
 };
 

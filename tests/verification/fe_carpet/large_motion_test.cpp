@@ -1,0 +1,131 @@
+/// Large rotations, long runs: strips that whip, rings that turn, a field of fibres.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "fe_carpet/stable_step.h"
+#include "tests/verification/fe_carpet/strip.h"
+
+namespace tuft::fe::test {
+namespace {
+
+ShellMaterial slit_film() {
+  return {2 * 0.3273e9 * 1.42, 0.42, 920, {{0.0663e9, 10}, {0.2e9, 1000}}};
+}
+
+struct Kind {
+  const char* name;
+  ShellSection section;
+  ShellMaterial material;
+};
+
+std::vector<Kind> kinds() {
+  ShellSection full, three_points;
+  full.element = ElementKind::fully_integrated;
+  three_points.element = ElementKind::fully_integrated;
+  three_points.thickness_points = 3;
+  return {{"one_point", {}, polyethylene()},
+          {"fully_integrated", full, polyethylene()},
+          {"one_point_viscoelastic", {}, slit_film()},
+          {"fully_integrated_viscoelastic_three_points", three_points, slit_film()}};
+}
+
+class LargeMotion : public testing::TestWithParam<Kind> {};
+
+TEST_P(LargeMotion, AStripWhippingForAHundredThousandStepsKeepsItsEnergyWithinAFifthOfAPercent) {
+  const Kind& kind = GetParam();
+  const Strip strip = make_strip({}, true);
+  CarpetOptions options = no_gravity();
+  options.section = kind.section;
+  Carpet carpet(strip.mesh, {kind.material}, options);
+  for (std::size_t n = 0; n < strip.node_count(); ++n)
+    if (!strip.mesh.clamped[n]) {
+      const double share = strip.mesh.nodes.x[n] / strip.shape.length;
+      carpet.set_velocity(n, 10 * share * Vec3(0, 0.2, 1), Vec3(0, 0, 0));
+    }
+  const double start = total(carpet.energy()), dt = 0.8 * carpet.stable_step();
+  const Vec3Array load = no_load(strip.node_count());
+  double largest_error = 0, largest_lift = 0;
+  for (int i = 0; i < 100000; ++i) {
+    carpet.step(dt, load);
+    if (i % 100 != 0) continue;
+    largest_error = std::max(largest_error, std::abs(total(carpet.energy()) / start - 1));
+    const Vec3 tip = position(carpet, strip.node(strip.shape.along, 0));
+    largest_lift = std::max(largest_lift, std::atan2(std::abs(tip.z()), tip.x()));
+  }
+  EXPECT_LT(largest_error, 2e-3);
+  EXPECT_GT(largest_lift, std::numbers::pi / 3) << "it has not whipped";
+}
+
+TEST_P(LargeMotion, AWarpedElementTurnedOnceAroundHasNoStress) {
+  const Kind& kind = GetParam();
+  ShellMesh mesh = make_strip({0.003, 0.0013, 0.0001, 1, 1}, false).mesh;
+  mesh.nodes.z[3] += 0.0003;
+  CarpetOptions options = no_gravity();
+  options.section = kind.section;
+  Carpet carpet(mesh, {kind.material}, options);
+  const Vec3 axis = Vec3(0.3, -0.8, 0.52).normalized(), centre(0.01, 0.02, -0.03);
+  const double dt = 0.5 * carpet.stable_step();
+  constexpr int steps = 3600;
+  const double angle = 2 * std::numbers::pi / steps;
+  const auto place = [&](std::size_t n, int i) -> Vec3 {
+    return centre + Eigen::AngleAxisd(i * angle, axis) * (mesh.nodes[n] - centre);
+  };
+  // The loads are those that bend a free node's way into the circle: what is not on it has felt the element.
+  for (std::size_t n = 0; n < 4; ++n)
+    carpet.set_velocity(n, (place(n, 0) - place(n, -1)) / dt, angle / dt * axis);
+  Vec3Array load = no_load(4);
+  double farthest = 0;
+  for (int i = 0; i < steps; ++i) {
+    for (std::size_t n = 0; n < 4; ++n)
+      load.set(n, carpet.nodes().mass[n] / (dt * dt) * (place(n, i + 1) - 2 * place(n, i) + place(n, i - 1)));
+    carpet.step(dt, load);
+    for (std::size_t n = 0; n < 4; ++n)
+      farthest = std::max(farthest, (position(carpet, static_cast<Index>(n)) - place(n, i + 1)).norm());
+  }
+  EXPECT_LT(farthest, 1e-10 * 0.0013);
+  // U = sigma^2/2E per volume.
+  const double energy = std::abs(carpet.energy().strain) + std::abs(carpet.energy().hourglass);
+  const double e = kind.material.young_modulus,
+               stress = std::sqrt(2 * e * energy / (0.003 * 0.0013 * 0.0001));
+  EXPECT_LT(stress, 1e-10 * e);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LargeMotion, testing::ValuesIn(kinds()),
+                         [](const auto& parameter) { return parameter.param.name; });
+
+TEST(FibreField, OfFiftyThousandShellsThrownAtFiveMetresPerSecondIsStableAtTheDefaultSafetyFactor) {
+  constexpr Index strands = 2381, elements = 21;
+  ShellMesh mesh;
+  mesh.surface_count = strands + 1;
+  for (Index s = 0; s < strands; ++s)
+    for (Index k = 0; k <= elements; ++k) {
+      const auto left = static_cast<Index>(mesh.nodes.size());
+      const double x = 0.005 * (s % 49), y = 0.005 * (s / 49), z = 0.003 * k;
+      mesh.nodes.push_back({x, y, z});
+      mesh.nodes.push_back({x + 0.0013, y, z});
+      mesh.clamped.insert(mesh.clamped.end(), 2, k == 0);
+      if (k == 0) continue;
+      mesh.quads.push_back({left - 2, left - 1, left + 1, left});
+      mesh.thickness.push_back(0.0001);
+      mesh.material.push_back(0);
+      mesh.surface.push_back(s + 1);
+    }
+  CarpetOptions options;
+  options.section.element = ElementKind::fully_integrated;
+  Carpet carpet(mesh, {slit_film()}, options);
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    if (mesh.clamped[n]) continue;
+    const double direction = 0.1 * static_cast<double>(n / (2 * (elements + 1)));
+    carpet.set_velocity(n, mesh.nodes.z[n] / 0.063 * 5 * Vec3(std::cos(direction), std::sin(direction), 0),
+                        Vec3(0, 0, 0));
+  }
+  const Vec3Array load = no_load(mesh.nodes.size());
+  const double start = total(carpet.energy()), dt = Numerics{}.step_safety * carpet.stable_step();
+  for (int i = 0; i < 3000; ++i) carpet.step(dt, load);
+  EXPECT_NEAR(total(carpet.energy()) / start, 1, 2e-3);
+}
+
+}  // namespace
+}  // namespace tuft::fe::test
