@@ -60,6 +60,9 @@ struct ShellMaterial {
 };
 
 /// Carpet as made (inputs/turfs/*.toml or inline under [turf.carpet]).
+/// How the yarn of a tuft is made: one tape, split above its root, or separate filaments.
+enum class Yarn { slit_film, monofilament };
+
 struct CarpetDesign {
   double gauge = 0;              ///< m between rows of tufts (y direction)
   double stitch_spacing = 0;     ///< m between tufts along a row (x direction)
@@ -69,6 +72,13 @@ struct CarpetDesign {
   double strand_thickness = 0;   ///< m
   double lean = 0;               ///< rad, mean tilt of a strand from the vertical
   double fan_out = 0;            ///< rad, standard deviation of the tilt within a tuft (seeded)
+  Yarn yarn = Yarn::slit_film;
+  int legs_per_tuft = 1;         ///< 1 or 2, at both ends of the stitch, equal shares of strands
+  double leg_spacing = 0;        ///< m between legs along the row; 0: a quarter of stitch_spacing
+  double leg_width = 0;          ///< m, root of a leg across the row; 0: its strands side by side, flat
+  double unsplit_length = 0;     ///< m from the root over which a slit-film tape is whole
+  double curl = 0;               ///< rad, turn of a strand's tangent in a pile length, on a helix
+  double length_scatter = 0;     ///< standard deviation of length over pile_length, cut off at two
   double element_length = 0;     ///< m, along the strand; rounded to a whole number of elements
   double backing_thickness = 0;  ///< m
   double backing_element = 0;    ///< m, largest element side of the backing

@@ -95,6 +95,22 @@ void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
                 {0, 1.5, false, false});
   keys.quantity({"fan_out", "standard deviation of the tilt within a tuft"}, carpet.fan_out, "rad",
                 {0, 1.0, false, false});
+  static constexpr std::string_view yarns[] = {"slit_film", "monofilament"};
+  keys.enumeration({"yarn", "a tape split above its root, or separate filaments"}, carpet.yarn, yarns);
+  keys.integer({"legs_per_tuft", "both ends of a stitch (2), or one leg for all strands"},
+               carpet.legs_per_tuft, {1, 2, false, false});
+  keys.quantity(
+      {"leg_spacing", "distance of a tuft's two legs along the row; 0: a quarter of stitch_spacing"},
+      carpet.leg_spacing, "m", non_negative);
+  keys.quantity(
+      {"leg_width", "root of a leg across the row, its strands folded to fit; 0: side by side, flat"},
+      carpet.leg_width, "m", non_negative);
+  keys.quantity({"unsplit_length", "height from the root over which a slit-film tape is whole"},
+                carpet.unsplit_length, "m", non_negative);
+  keys.quantity({"curl", "turn of a strand's direction over a pile length, on a helix"}, carpet.curl, "rad",
+                {0, 3.2, false, false});
+  keys.number({"length_scatter", "standard deviation of strand length over pile_length"},
+              carpet.length_scatter, {0, 0.3, false, false});
   keys.quantity(required("element_length", "shell length along a strand"), carpet.element_length, "m",
                 positive);
   keys.quantity(required("backing_thickness", "thickness of the backing"), carpet.backing_thickness, "m",

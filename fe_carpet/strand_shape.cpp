@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tuft::fe {
 namespace {
@@ -14,62 +15,32 @@ constexpr int correction_rounds = 72;
 constexpr double straightening = 0.9;   ///< of all angles, per round
 constexpr double overcorrection = 1.3;  ///< a tilt moves the tip by less than tilt x length
 
-void limit_tilt(StrandAngles& strand) {
-  strand.forward = std::clamp(strand.forward, -largest_tilt, largest_tilt);
-  strand.sideways = std::clamp(strand.sideways, -largest_tilt / 2, largest_tilt / 2);
-}
-
 double cut_normal(double p) {
   return std::clamp(normal_quantile(p), -largest_normal, largest_normal);
-}
-
-/// One value per slice of equal probability, in the middle half of its slice, so that neighbours stay apart.
-std::vector<double> stratified_normals(std::size_t count, Random& random) {
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i)
-    values[i] =
-        cut_normal((static_cast<double>(i) + 0.25 + 0.5 * random.uniform()) / static_cast<double>(count));
-  return values;
-}
-
-void shuffle(std::vector<double>& values, Random& random) {
-  for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.below(i)]);
 }
 
 struct RibbonFrame {
   Vec3 tangent, width;
 };
 
+/// At a share of the pile length. Above a split, a - tape and b grow from zero in proportion to the way u
+/// that is left, so that their means over the whole pile length are those asked for.
 RibbonFrame ribbon_frame(const StrandAngles& angles, double share) {
-  const double a = angles.forward * (1 + bend_share * (2 * share - 1));
-  const double b = angles.sideways * 2 * share, twist = angles.twist * share;
+  const double free = 1 - angles.split, u = (share - angles.split) / free;
+  double a = angles.split > 0 ? bent_tilt(angles.tape, share) + 2 * u / free * (angles.forward - angles.tape)
+                              : bent_tilt(angles.forward, share);
+  double b = angles.sideways * 2 * u / free;
+  if (angles.curl > 0) {
+    const double turn = 2 * std::numbers::pi, amplitude = angles.curl / turn;
+    const double at = angles.phase + angles.hand * turn * (share - angles.split);
+    a += amplitude * (std::cos(at) - std::cos(angles.phase));
+    b += amplitude * (std::sin(at) - std::sin(angles.phase));
+  }
+  const double twist = angles.fold + angles.twist * u;
   const Vec3 tangent(std::sin(b), std::cos(b) * std::sin(a), std::cos(b) * std::cos(a));
   const Vec3 untwisted(std::cos(b), -std::sin(b) * std::sin(a), -std::sin(b) * std::cos(a));
   const Vec3 normal(0, std::cos(a), -std::sin(a));
   return {tangent, std::cos(twist) * untwisted + std::sin(twist) * normal};
-}
-
-/// How far the strands of a tuft stand out of the bounds on each side, m; 0 where they do not.
-struct Overshoot {
-  std::array<double, 2> low{}, high{};  ///< in x and y
-  bool sunk = false;                    ///< a node lies at the root's height or below
-  [[nodiscard]] bool any() const { return sunk || low[0] + low[1] + high[0] + high[1] > 0; }
-};
-
-Overshoot find_overshoot(const std::vector<std::vector<StrandRow>>& strands, const StrandBounds& bounds,
-                         double floor) {
-  Overshoot out;
-  for (const std::vector<StrandRow>& rows : strands)
-    for (std::size_t k = 1; k < rows.size(); ++k)
-      for (const Vec3& p : {rows[k].left, rows[k].right}) {
-        for (std::size_t c = 0; c < 2; ++c) {
-          const double at = p[static_cast<Eigen::Index>(c)];
-          out.low[c] = std::max(out.low[c], -bounds.half_size[c] - at);
-          out.high[c] = std::max(out.high[c], at - bounds.half_size[c]);
-        }
-        out.sunk = out.sunk || p.z() <= floor;
-      }
-  return out;
 }
 
 /// New angles of one direction: all shifted away from the wall that is touched, so that the strands keep
@@ -83,8 +54,42 @@ void correct_angles(std::vector<StrandAngles>& angles, double StrandAngles::*ang
 
 }  // namespace
 
-int strand_elements(const CarpetDesign& design) {
-  return std::max(1, static_cast<int>(std::lround(design.pile_length / design.element_length)));
+int count_elements(double length, double element_length) {
+  return std::max(1, static_cast<int>(std::lround(length / element_length)));
+}
+
+double bent_tilt(double mean, double share) {
+  return mean * (1 + bend_share * (2 * share - 1));
+}
+
+double draw_twist(Random& random) {
+  return twist_deviation * cut_normal(0.02 + 0.96 * random.uniform());
+}
+
+void limit_tilt(StrandAngles& strand) {
+  strand.forward = std::clamp(strand.forward, -largest_tilt, largest_tilt);
+  strand.sideways = std::clamp(strand.sideways, -largest_tilt / 2, largest_tilt / 2);
+}
+
+std::vector<double> stratified_normals(std::size_t count, Random& random) {
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i)
+    values[i] =
+        cut_normal((static_cast<double>(i) + 0.25 + 0.5 * random.uniform()) / static_cast<double>(count));
+  return values;
+}
+
+void shuffle(std::vector<double>& values, Random& random) {
+  for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.below(i)]);
+}
+
+void draw_curl_and_length(const CarpetDesign& design, Random& random, std::vector<StrandAngles>& strands) {
+  for (StrandAngles& strand : strands) {
+    strand.curl = design.curl;
+    strand.phase = 2 * std::numbers::pi * random.uniform();
+    strand.hand = random.uniform() < 0.5 ? -1 : 1;
+    strand.length = 1 + design.length_scatter * cut_normal(0.5e-3 + 0.999 * random.uniform());
+  }
 }
 
 std::vector<StrandAngles> draw_tuft(const CarpetDesign& design, Random& random) {
@@ -96,7 +101,7 @@ std::vector<StrandAngles> draw_tuft(const CarpetDesign& design, Random& random) 
   for (std::size_t i = 0; i < count; ++i) {
     strands[i].forward = design.lean + design.fan_out * forward[i];
     strands[i].sideways = design.fan_out * sideways[i];
-    strands[i].twist = twist_deviation * cut_normal(0.02 + 0.96 * random.uniform());
+    strands[i].twist = draw_twist(random);
   }
   // Neighbours at least a strand thickness apart at the end of their first element, even without any fan-out;
   // what that adds on average is taken off again.
@@ -112,29 +117,42 @@ std::vector<StrandAngles> draw_tuft(const CarpetDesign& design, Random& random) 
   return strands;
 }
 
-std::vector<StrandRow> strand_rows(const CarpetDesign& design, const Vec3& root, const StrandAngles& angles) {
-  const int elements = strand_elements(design);
-  const double length = design.pile_length / elements;
+std::vector<StrandRow> strand_rows(const CarpetDesign& design, const Vec3& start,
+                                   const StrandAngles& angles) {
+  const double length = design.pile_length * (angles.length - angles.split);
+  const int elements = count_elements(length, design.element_length);
+  const auto frame = [&](double k) {
+    return ribbon_frame(angles, angles.split + k / elements * (angles.length - angles.split));
+  };
   std::vector<StrandRow> rows;
-  Vec3 centre = root;
+  Vec3 centre = start;
   for (int k = 0; k <= elements; ++k) {
     // The tangent halfway along each element keeps the element's length; the width is the node row's own.
-    if (k > 0) centre += length * ribbon_frame(angles, (k - 0.5) / elements).tangent;
-    const Vec3 half_width =
-        0.5 * design.strand_width * ribbon_frame(angles, static_cast<double>(k) / elements).width;
+    if (k > 0) centre += length / elements * frame(k - 0.5).tangent;
+    const Vec3 half_width = 0.5 * design.strand_width * frame(k).width;
     rows.push_back({centre - half_width, centre + half_width});
   }
   return rows;
 }
 
-std::vector<std::vector<StrandRow>> tuft_inside(const CarpetDesign& design, const Vec3& root,
-                                                std::vector<StrandAngles> angles,
-                                                const StrandBounds& bounds) {
-  std::vector<std::vector<StrandRow>> strands;
+void Overshoot::add(const Vec3& node, const StrandBounds& bounds, double floor) {
+  for (std::size_t c = 0; c < 2; ++c) {
+    const double at = node[static_cast<Eigen::Index>(c)];
+    low[c] = std::max(low[c], -bounds.half_size[c] - at);
+    high[c] = std::max(high[c], at - bounds.half_size[c]);
+  }
+  sunk = sunk || node.z() <= floor;
+}
+
+void Overshoot::add(const std::vector<StrandRow>& rows, const StrandBounds& bounds, double floor) {
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    for (const Vec3& p : {rows[k].left, rows[k].right}) add(p, bounds, floor);
+}
+
+void turn_inside(const CarpetDesign& design, std::vector<StrandAngles>& angles,
+                 const std::function<Overshoot(const std::vector<StrandAngles>&)>& build) {
   for (int round = 0; round < correction_rounds; ++round) {
-    strands.clear();
-    for (const StrandAngles& strand : angles) strands.push_back(strand_rows(design, root, strand));
-    const Overshoot out = find_overshoot(strands, bounds, root.z());
+    const Overshoot out = build(angles);
     if (!out.any()) break;
     // Upright strands always fit, since tufts keep their distance from the walls.
     const bool straighten = round >= shifting_rounds;
@@ -144,8 +162,24 @@ std::vector<std::vector<StrandRow>> tuft_inside(const CarpetDesign& design, cons
     for (StrandAngles& strand : angles) {
       limit_tilt(strand);
       if (straighten || out.sunk) strand.twist *= straightening;
+      if (straighten || out.sunk) strand.curl *= straightening;
     }
   }
+}
+
+std::vector<std::vector<StrandRow>> tuft_inside(const CarpetDesign& design, const Vec3& root,
+                                                std::vector<StrandAngles> angles,
+                                                const StrandBounds& bounds) {
+  std::vector<std::vector<StrandRow>> strands;
+  turn_inside(design, angles, [&](const std::vector<StrandAngles>& now) {
+    Overshoot out;
+    strands.clear();
+    for (const StrandAngles& strand : now) {
+      strands.push_back(strand_rows(design, root, strand));
+      out.add(strands.back(), bounds, root.z());
+    }
+    return out;
+  });
   return strands;
 }
 

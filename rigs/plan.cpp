@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fe_carpet/leg_shape.h"
 #include "rigs/process_memory.h"
 #include "rigs/run.h"
 #include "rigs/run_state.h"
@@ -130,7 +131,9 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
 }
 
 double clearance(const CarpetDesign& carpet) {
-  return std::min(carpet.gauge, carpet.stitch_spacing) - carpet.strand_width;
+  const fe::RootLayout layout = fe::root_layout(carpet);
+  if (layout.shared_edge) return std::min(carpet.gauge, carpet.stitch_spacing) - carpet.strand_width;
+  return std::min(carpet.gauge - layout.width(), carpet.stitch_spacing - layout.spacing - layout.depth);
 }
 
 }  // namespace

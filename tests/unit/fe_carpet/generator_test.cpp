@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "fe_carpet/carpet.h"
 #include "tests/unit/fe_carpet/expect_error.h"
+#include "tests/unit/fe_carpet/mesh_parts.h"
 
 namespace tuft::fe::test {
 namespace {
@@ -29,15 +30,6 @@ CarpetDesign football() {
 
 constexpr std::array<double, 2> patch{0.08, 0.06};
 constexpr int tufts_along_x = 8, tufts_along_y = 6;  // floor(80/10), floor(60/9.5)
-
-Vec3 corner(const ShellMesh& mesh, std::size_t e, std::size_t i) {
-  return mesh.nodes[static_cast<std::size_t>(mesh.quads[e][i])];
-}
-
-double area(const ShellMesh& mesh, std::size_t e) {
-  return 0.5 *
-         (corner(mesh, e, 2) - corner(mesh, e, 0)).cross(corner(mesh, e, 3) - corner(mesh, e, 1)).norm();
-}
 
 TEST(Generator, GivesASoundMesh) {
   EXPECT_NO_THROW(check_mesh(generate_carpet(football(), patch, 1, true)));
