@@ -41,7 +41,9 @@ std::string counts_table(const fe::MeshSummary& sum) {
 
 double factor_of_unit(const std::string& unit) {
   try {
-    return unit_factor(unit, "m");
+    const double factor = unit_factor(unit, "m");
+    if (!(factor > 0)) throw_input_error("must be positive; write for example mm");
+    return factor;
   } catch (const InputError& error) {
     throw_input_error("--unit {}: {}", unit, error.what());
   }

@@ -94,7 +94,7 @@ class SceneAssembly {
       return;
     }
     try {
-      (void)unit_factor(mesh.unit, "m");
+      if (!(unit_factor(mesh.unit, "m") > 0)) throw_input_error("must be positive; write for example \"mm\"");
     } catch (const InputError& error) {
       places_.fail("turf.carpet.mesh_unit", error.what());
     }

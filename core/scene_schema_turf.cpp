@@ -47,7 +47,8 @@ void describe_grain_share(KeyVisitor& keys, GrainShare& share_of) {
 
 void describe_mesh_file(KeyVisitor& keys, CarpetMeshFile& mesh) {
   static constexpr std::string_view choices[] = {"refuse", "leave_out", "backing", "fibre"};
-  keys.text({"mesh", "a mesh file instead of a generated carpet: Gmsh .msh, LS-DYNA .k, .key or .dyn"}, mesh.file);
+  keys.text({"mesh", "a mesh file instead of a generated carpet: Gmsh .msh, LS-DYNA .k, .key or .dyn"},
+            mesh.file);
   keys.text({"mesh_unit", "unit of lengths in the mesh file"}, mesh.unit);
   keys.quantity({"mesh_shift_z", "added to heights of the mesh file"}, mesh.shift_z, "m", any);
   keys.enumeration({"mesh_undecided_parts",

@@ -70,6 +70,8 @@ TEST(Carpet, IntoAFormatOrFolderThatIsNoneIsRefused) {
   expect_bad_input(run_tuft({"carpet", scene, "--out", place.path("no/a.vtu")}),
                    {"no folder", "choose another --out"});
   expect_bad_input(run_tuft({"carpet", scene, "--out", place.path("a.vtu"), "--unit", "kg"}), {"--unit kg"});
+  expect_bad_input(run_tuft({"carpet", scene, "--out", place.path("a.vtu"), "--unit=-1 mm"}),
+                   {"--unit -1 mm", "positive"});
 }
 
 TEST(Carpet, IsNotWrittenOverTheFileItComesFrom) {

@@ -52,6 +52,8 @@ TEST_F(SceneMesh, IsReadInMillimetresUnlessAnotherUnitIsGiven) {
                  {"turf.carpet.mesh_unit", "kg"});
   expect_refused({{"turf.carpet.mesh", "own.msh"}, {"turf.carpet.mesh_unit", "furlnog"}},
                  {"turf.carpet.mesh_unit", "furlnog"});
+  expect_refused({{"turf.carpet.mesh", "own.msh"}, {"turf.carpet.mesh_unit", "-1 mm"}},
+                 {"mesh_unit", "positive"});
 }
 
 TEST_F(SceneMesh, TheKeysThatSayHowToReadOneNeedOne) {
