@@ -139,6 +139,7 @@ int run_command_line(int count, const char* const* arguments) {
   register_resume(program, action);
   register_check(program, action);
   register_explain(program, action);
+  register_carpet(program, action);
   register_compare(program, action);
   register_report(program, action);
   register_show(program, action);

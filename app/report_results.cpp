@@ -32,7 +32,8 @@ std::string describe_turf(const Scene& scene, bool fibres) {
   }
   const CarpetDesign& carpet = scene.turf.carpet;
   const std::string pile =
-      fibres ? fmt::format("pile {} mm, gauge {} mm, stitch {} mm, {} strands a tuft",
+      fibres && !carpet.mesh.file.empty() ? fmt::format("carpet from {}", escape_html(carpet.mesh.file))
+      : fibres ? fmt::format("pile {} mm, gauge {} mm, stitch {} mm, {} strands a tuft",
                            format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
                            format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft)
              : std::string("no fibres (effect switched off)");

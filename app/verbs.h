@@ -8,6 +8,7 @@ void register_run(CLI::App& program, Action& action);
 void register_resume(CLI::App& program, Action& action);
 void register_check(CLI::App& program, Action& action);
 void register_explain(CLI::App& program, Action& action);
+void register_carpet(CLI::App& program, Action& action);
 void register_compare(CLI::App& program, Action& action);
 void register_report(CLI::App& program, Action& action);
 void register_show(CLI::App& program, Action& action);

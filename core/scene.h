@@ -59,6 +59,18 @@ struct ShellMaterial {
   std::vector<PronyTerm> relaxation = {};
 };
 
+/// What becomes of the parts of a mesh file whose names say neither backing nor fibre.
+enum class UndecidedParts { refuse, leave_out, backing, fibre };
+
+/// A carpet mesh made elsewhere (docs/carpet_meshes.md), instead of a generated one.
+struct CarpetMeshFile {
+  std::string file;         ///< empty: the carpet is generated
+  std::string content;      ///< content_hash of the file: results of another are never taken for its own
+  std::string unit = "mm";  ///< of lengths in the file
+  double shift_z = 0;       ///< m, added to heights
+  UndecidedParts undecided_parts = UndecidedParts::refuse;
+};
+
 /// Carpet as made (inputs/turfs/*.toml or inline under [turf.carpet]).
 /// How the yarn of a tuft is made: one tape, split above its root, or separate filaments.
 enum class Yarn { slit_film, monofilament };
@@ -87,6 +99,7 @@ struct CarpetDesign {
   double damping = 0;                ///< 1/s, mass-proportional damping of the carpet during the drop, >= 0
   FrictionLaw body_friction;         ///< of fibres and backing against rig bodies and the tray
   double contact_restitution = 0.5;  ///< (0, 1], of carpet nodes on rig bodies and the tray
+  CarpetMeshFile mesh;               ///< with a file, only thicknesses of the above still shape the carpet
 };
 
 /// Infill as a continuum: soil and foam (PHYSICS: Krieg; LS-DYNA MAT_005). Compression positive here.

@@ -10,6 +10,7 @@
 #include "core/scene_overrides.h"
 #include "core/scene_schema.h"
 #include "core/toml_reader.h"
+#include "core/units.h"
 
 namespace tuft {
 namespace {
@@ -79,6 +80,30 @@ class SceneAssembly {
       inside.accept_incomplete();
     }
     schema::describe_carpet(inside, carpet);
+    complete_mesh_file(carpet.mesh, complete);
+  }
+
+  /// Finds the mesh file and notes what it holds. A resolved scene has both already, and stays readable when
+  /// the file is gone: only a run needs it then.
+  void complete_mesh_file(CarpetMeshFile& mesh, bool complete) const {
+    if (mesh.file.empty()) {
+      for (const char* key : {"turf.carpet.mesh_unit", "turf.carpet.mesh_shift_z",
+                              "turf.carpet.mesh_undecided_parts", "turf.carpet.mesh_content"})
+        if (!complete && places_.has(key))
+          places_.fail(key, "says how to read a mesh file, but turf.carpet.mesh names none; leave it out");
+      return;
+    }
+    try {
+      if (!(unit_factor(mesh.unit, "m") > 0)) throw_input_error("must be positive; write for example \"mm\"");
+    } catch (const InputError& error) {
+      places_.fail("turf.carpet.mesh_unit", error.what());
+    }
+    const auto file = folders_.find("meshes", mesh.file);
+    if (file)
+      mesh.file = std::filesystem::absolute(*file).lexically_normal().string();
+    else if (!complete)
+      places_.fail("turf.carpet.mesh", "no such file; it is looked for beside the scene and in meshes/");
+    if (file && mesh.content.empty()) mesh.content = content_hash(read_text_file(*file));
   }
 
   void read_design(const std::string& design, CarpetDesign& carpet) {

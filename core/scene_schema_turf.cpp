@@ -66,6 +66,20 @@ void describe_grain_share(KeyVisitor& keys, GrainShare& share_of) {
               share_of.mass_fraction, share);
 }
 
+void describe_mesh_file(KeyVisitor& keys, CarpetMeshFile& mesh) {
+  static constexpr std::string_view choices[] = {"refuse", "leave_out", "backing", "fibre"};
+  keys.text({"mesh", "a mesh file instead of a generated carpet: Gmsh .msh, LS-DYNA .k, .key or .dyn"},
+            mesh.file);
+  keys.text({"mesh_unit", "unit of lengths in the mesh file"}, mesh.unit);
+  keys.quantity({"mesh_shift_z", "added to heights of the mesh file"}, mesh.shift_z, "m", any);
+  keys.enumeration({"mesh_undecided_parts",
+                    "parts of the mesh file whose names say neither backing nor fibre: refuse, leave_out, "
+                    "backing, fibre"},
+                   mesh.undecided_parts, choices);
+  keys.text({"mesh_content", "hash of the mesh file, which it must have; left out: the one it has"},
+            mesh.content);
+}
+
 void describe_layer(KeyVisitor& keys, Layer& layer) {
   keys.material(required("material", "a file of materials/, or a table [materials.NAME]"), layer.material);
   keys.quantity(required("depth", "depth as placed"), layer.depth, "m", positive);
@@ -120,6 +134,7 @@ void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
   keys.quantity({"damping", "mass-proportional damping of the carpet"}, carpet.damping, "Hz", non_negative);
   keys.number({"contact_restitution", "of carpet nodes on rig bodies and the tray"},
               carpet.contact_restitution, share);
+  describe_mesh_file(keys, carpet.mesh);
   keys.table({"body_friction", "of fibres and backing on rig bodies and the tray"},
              [&](KeyVisitor& inside) { describe_friction(inside, carpet.body_friction); });
   keys.table({"fibre", "material and shells of the strands"}, [&](KeyVisitor& inside) {

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "coupler/settled_packing.h"
+#include "fe_carpet/mesh_import.h"
 #include "sph_infill/sph_infill.h"
 
 namespace tuft::coupler {
@@ -105,7 +106,14 @@ std::vector<RigidBody> tray(std::array<double, 2> size) {
 }
 
 fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres) {
+  if (!scene.turf.carpet.mesh.file.empty())
+    return fe::import_carpet(scene.turf.carpet, scene.turf.size, with_fibres).mesh;
   return fe::generate_carpet(scene.turf.carpet, scene.turf.size, scene.numerics.seed, with_fibres);
+}
+
+std::vector<std::string> carpet_mesh_notes(const Scene& scene) {
+  if (scene.turf.carpet.mesh.file.empty()) return {};
+  return fe::import_carpet(scene.turf.carpet, scene.turf.size, true).notes;
 }
 
 BuiltSimulation build_simulation(const BuildRequest& request) {

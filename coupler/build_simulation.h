@@ -33,8 +33,12 @@ struct BuiltSimulation {
 /// Throws InputError for a scene that cannot be built, RunError when the host fails.
 [[nodiscard]] BuiltSimulation build_simulation(const BuildRequest& request);
 
-/// The carpet's mesh for a scene, fibres by the effect.
+/// The carpet's mesh for a scene, generated or from the mesh file it names; fibres by the effect. Throws
+/// InputError.
 [[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres);
+
+/// What the user should know of the mesh file that the carpet comes from; empty for a generated carpet.
+[[nodiscard]] std::vector<std::string> carpet_mesh_notes(const Scene& scene);
 
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;

@@ -1,5 +1,5 @@
 #pragma once
-/// A pack of doubles as wide as the processor's vectors. The element functions of shell_kernel.h are
+/// A pack of doubles as wide as the processor's vectors. The element functions of shell_strain.h are
 /// templates over their number type: double for one element (tests, a device), Pack for as many elements at
 /// once as there are lanes.
 #include <cstddef>

@@ -3,13 +3,10 @@
 
 #include "core/error.h"
 #include "fe_carpet/carpet.h"
-#include "fe_carpet/shell_frame.h"
+#include "fe_carpet/quad_shape.h"
 
 namespace tuft::fe {
 namespace {
-
-/// Sides and diagonals shorter than this share of the longest one count as zero.
-constexpr double relative_zero_length = 1e-6;
 
 void check_sizes(const ShellMesh& mesh) {
   const std::size_t elements = mesh.quads.size();
@@ -61,27 +58,15 @@ void check_shape(const ShellMesh& mesh, std::size_t e) {
       throw_input_error("carpet mesh: node {} of element {} is at ({}, {}, {})", mesh.quads[e][i], e,
                         corner[i].x(), corner[i].y(), corner[i].z());
   }
-  double longest = 0;
-  for (std::size_t i = 0; i < 4; ++i) longest = std::max(longest, (corner[(i + 1) % 4] - corner[i]).norm());
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const double distance = (corner[i] - corner[j]).norm();
-      if (!(distance > relative_zero_length * longest))
-        throw_input_error(
-            "carpet mesh: element {}: nodes {} and {} coincide ({} m apart); merge or move them", e,
-            mesh.quads[e][j], mesh.quads[e][i], distance);
-    }
-  // Positive corner areas with respect to the normal of the diagonals: convex, right way round, not folded.
-  const Vec3 normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 forward = corner[(i + 1) % 4] - corner[i], backward = corner[(i + 3) % 4] - corner[i];
-    const double area = forward.cross(backward).dot(normal);
-    if (!(area > relative_zero_length * normal.squaredNorm()))
-      throw_input_error(
-          "carpet mesh: element {} is degenerate, concave or folded at node {}; every corner must be under "
-          "180 degrees",
-          e, mesh.quads[e][i]);
-  }
+  const QuadFault fault = find_quad_fault(corner);
+  if (fault.kind == QuadFault::Kind::coincident_corners)
+    throw_input_error("carpet mesh: element {}: nodes {} and {} coincide ({} m apart); merge or move them", e,
+                      mesh.quads[e][fault.first], mesh.quads[e][fault.second], fault.distance);
+  if (fault.kind == QuadFault::Kind::not_convex)
+    throw_input_error(
+        "carpet mesh: element {} is degenerate, concave or folded at node {}; every corner must be under "
+        "180 degrees",
+        e, mesh.quads[e][fault.first]);
 }
 
 }  // namespace

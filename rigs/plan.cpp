@@ -141,6 +141,7 @@ double clearance(const CarpetDesign& carpet) {
 RunPlan plan(const Scene& scene) {
   RunPlan plan;
   plan.effects = decide_effects(scene);
+  plan.remarks = coupler::carpet_mesh_notes(scene);
   if (scene.numerics.threads > 0) set_threads(scene.numerics.threads);
   if (scene.infill.approach == Approach::sph) {
     plan_by_running(plan, scene);
@@ -154,7 +155,8 @@ RunPlan plan(const Scene& scene) {
       largest = std::max(largest, kind.grain->diameter_max * coarse_graining(scene, kind.name));
     }
   const double ratio = clearance(scene.turf.carpet) / largest;
-  if (effect_on(plan.effects, "fibres") && ratio < 5)
+  // Of an imported carpet the design's spacings say nothing.
+  if (effect_on(plan.effects, "fibres") && scene.turf.carpet.mesh.file.empty() && ratio < 5)
     plan.remarks.push_back(fmt::format(
         "clearance between tufts is {:.2g} of the largest grain's diameter (under 5): grains may jam; "
         "reduce infill.dem.coarse_graining",
