@@ -57,6 +57,13 @@ struct ShellMaterial {
   double density = 0;        ///< kg/m^3, > 0
   /// What relaxes of the instantaneous shear modulus E / (2 (1 + nu)); the moduli add up to at most that.
   std::vector<PronyTerm> relaxation = {};
+  /// Pa; above 0: orthotropic, young_modulus and poisson_ratio (contraction across under tension along) then
+  /// belong to `along`, and the shear modulus stands for itself. Not with relaxation.
+  double across_young_modulus = 0;
+  double shear_modulus = 0;                 ///< Pa, > 0 when orthotropic; otherwise unused
+  std::array<double, 3> along = {1, 0, 0};  ///< direction of the stitch, projected into each shell
+
+  [[nodiscard]] bool orthotropic() const { return across_young_modulus > 0; }
 };
 
 /// What becomes of the parts of a mesh file whose names say neither backing nor fibre.
@@ -76,14 +83,14 @@ struct CarpetMeshFile {
 enum class Yarn { slit_film, monofilament };
 
 struct CarpetDesign {
-  double gauge = 0;              ///< m between rows of tufts (y direction)
-  double stitch_spacing = 0;     ///< m between tufts along a row (x direction)
-  int strands_per_tuft = 0;      ///< >= 1
-  double pile_length = 0;        ///< m, strand length from the backing
-  double strand_width = 0;       ///< m
-  double strand_thickness = 0;   ///< m
-  double lean = 0;               ///< rad, mean tilt of a strand from the vertical
-  double fan_out = 0;            ///< rad, standard deviation of the tilt within a tuft (seeded)
+  double gauge = 0;             ///< m between rows of tufts (y direction)
+  double stitch_spacing = 0;    ///< m between tufts along a row (x direction)
+  int strands_per_tuft = 0;     ///< >= 1
+  double pile_length = 0;       ///< m, strand length from the backing
+  double strand_width = 0;      ///< m
+  double strand_thickness = 0;  ///< m
+  double lean = 0;              ///< rad, mean tilt of a strand from the vertical
+  double fan_out = 0;           ///< rad, standard deviation of the tilt within a tuft (seeded)
   Yarn yarn = Yarn::slit_film;
   int legs_per_tuft = 1;         ///< 1 or 2, at both ends of the stitch, equal shares of strands
   double leg_spacing = 0;        ///< m between legs along the row; 0: a quarter of stitch_spacing

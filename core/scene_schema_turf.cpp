@@ -17,6 +17,10 @@ void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
         inside.quantity(required("modulus", "shear modulus of the term"), term.modulus, "Pa", positive);
         inside.quantity(required("decay", "rate at which it relaxes"), term.decay, "Hz", non_negative);
       });
+  keys.quantity({"across_young_modulus", "orthotropic: Young's modulus across the rows; 0: isotropic"},
+                material.across_young_modulus, "Pa", non_negative);
+  keys.quantity({"shear_modulus", "orthotropic: shear modulus in the plane"}, material.shear_modulus, "Pa",
+                non_negative);
 }
 
 void describe_shell_section(KeyVisitor& keys, ShellSection& section) {

@@ -18,6 +18,27 @@ namespace {
 /// each other. Results do not depend on it.
 constexpr std::size_t threads_pay_above = 1000;
 
+void check_orthotropic(const ShellMaterial& material, std::size_t m) {
+  const double e1 = material.young_modulus, e2 = material.across_young_modulus, nu = material.poisson_ratio;
+  if (!std::isfinite(e2))
+    throw_input_error("shell material {}: Young's modulus across is {} Pa; it must be positive", m, e2);
+  if (!(material.shear_modulus > 0) || !std::isfinite(material.shear_modulus))
+    throw_input_error(
+        "shell material {}: it is orthotropic, and its shear modulus is {} Pa; give a positive one", m,
+        material.shear_modulus);
+  if (!(nu * nu * e2 < e1))
+    throw_input_error(
+        "shell material {}: Poisson's ratio {} with moduli {} and {} Pa along and across makes its stiffness "
+        "indefinite; the square of the ratio must be under along / across",
+        m, nu, e1, e2);
+  if (!material.relaxation.empty())
+    throw_input_error("shell material {}: orthotropic and relaxing at once is not supported; leave one out",
+                      m);
+  const auto& a = material.along;
+  if (!(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0))
+    throw_input_error("shell material {}: its direction along has no length", m);
+}
+
 void check_relaxation(const ShellMaterial& material, std::size_t m) {
   const double shear = material.young_modulus / (2 * (1 + material.poisson_ratio));
   double sum = 0;
@@ -49,6 +70,7 @@ void check_materials(const ShellMesh& mesh, const std::vector<ShellMaterial>& ma
       throw_input_error("shell material {}: Poisson's ratio is {}; it must be in [0, 0.5)", m,
                         material.poisson_ratio);
     check_relaxation(material, m);
+    if (material.orthotropic()) check_orthotropic(material, m);
   }
   for (std::size_t e = 0; e < mesh.material.size(); ++e)
     if (static_cast<std::size_t>(mesh.material[e]) >= materials.size())
@@ -93,6 +115,10 @@ std::vector<double> contact_stiffness_of_nodes(const ElementArrays& elements, co
   return stiffness;
 }
 
+double stiffest_direct(const ShellMaterial& material) {
+  return (material.orthotropic() ? stiffer_isotropic_law(material) : instantaneous_law(material)).direct;
+}
+
 ShellMesh checked(ShellMesh mesh, const std::vector<ShellMaterial>& materials, const CarpetOptions& options) {
   check_mesh(mesh);
   check_materials(mesh, materials);
@@ -111,8 +137,7 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
       nodes(make_node_arrays(mesh, elements)),
       contact_stiffness(contact_stiffness_of_nodes(elements, mesh)) {
   for (std::size_t m = 0; m < materials.size(); ++m)
-    wave_speed =
-        std::max(wave_speed, std::sqrt(instantaneous_law(materials[m]).direct / materials[m].density));
+    wave_speed = std::max(wave_speed, std::sqrt(stiffest_direct(materials[m]) / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());
 }
 

@@ -19,7 +19,8 @@ struct ShellMesh {
   std::vector<double> thickness;  ///< m, per quad
   std::vector<Index> material;    ///< per quad, index into the materials given with the mesh
   /// Per quad: contact surface it belongs to. 0 is the backing, 1..n the strands. A particle touches each
-  /// surface at its nearest point only. Each free strand is a surface of its own; the whole part of a tape is one.
+  /// surface at its nearest point only. Each free strand is a surface of its own; the whole part of a tape is
+  /// one.
   std::vector<Index> surface;
   std::vector<std::uint8_t> clamped;  ///< per node: all six degrees of freedom fixed
   /// Per node, or empty for none: bits 0 to 2 hold the translations along x, y and z, bits 3 to 5 the
@@ -31,10 +32,10 @@ struct ShellMesh {
 };
 
 /// Generates the carpet of a patch centred on the origin, backing mid-surface at z = backing thickness / 2
-/// (its lower face on the tray's floor z = 0), strands rising in +z. Strands, or the tape they are split from,
-/// share their root nodes with the backing. The backing's edge nodes are clamped. The same seed gives the same
-/// mesh. `with_fibres` false: the backing alone. Material 0 is the backing, 1 the fibre. Throws InputError
-/// when the patch holds no tuft or a length is unusable.
+/// (its lower face on the tray's floor z = 0), strands rising in +z. Strands, or the tape they are split
+/// from, share their root nodes with the backing. The backing's edge nodes are clamped. The same seed gives
+/// the same mesh. `with_fibres` false: the backing alone. Material 0 is the backing, 1 the fibre. Throws
+/// InputError when the patch holds no tuft or a length is unusable.
 [[nodiscard]] ShellMesh generate_carpet(const CarpetDesign& design, std::array<double, 2> size,
                                         std::uint64_t seed, bool with_fibres);
 

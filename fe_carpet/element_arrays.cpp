@@ -10,13 +10,13 @@ Triple<double> corner_position(const ShellMesh& mesh, std::size_t element, std::
   return {mesh.nodes.x[n], mesh.nodes.y[n], mesh.nodes.z[n]};
 }
 
-double reference_area(const ShellMesh& mesh, std::size_t e) {
+ShellFrame<double> reference_frame(const ShellMesh& mesh, std::size_t e) {
   return shell_frame(corner_modes(corner_position(mesh, e, 0), corner_position(mesh, e, 1),
-                                  corner_position(mesh, e, 2), corner_position(mesh, e, 3)))
-      .area;
+                                  corner_position(mesh, e, 2), corner_position(mesh, e, 3)));
 }
 
 SectionLaw make_law(const ShellMaterial& material) {
+  if (material.orthotropic()) return OrthotropicTable{{}, stiffer_isotropic_law(material)};
   if (material.relaxation.empty()) return instantaneous_law(material);
   return viscoelastic_law(material);
 }
@@ -54,6 +54,31 @@ void fill_slots(const ShellMesh& mesh, ElementArrays& arrays) {
   arrays.state.assign(state, 0.0);
 }
 
+/// Padding has the stiffness of no material: zero.
+void fill_orthotropic(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials,
+                      ElementArrays& arrays) {
+  for (std::size_t m = 0; m < arrays.family.size(); ++m) {
+    ElementFamily& family = arrays.family[m];
+    auto* table = std::get_if<OrthotropicTable>(&family.law);
+    if (!table) continue;
+    const Triple<double> along{materials[m].along[0], materials[m].along[1], materials[m].along[2]};
+    table->stiffness.assign(family.batch_count * OrthotropicTable::values * lanes, 0.0);
+    for (std::size_t b = 0; b < family.batch_count; ++b)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const Index e = arrays.element[(family.first_batch + b) * lanes + lane];
+        if (e < 0) continue;
+        const LocalAxes<double> axes = reference_frame(mesh, static_cast<std::size_t>(e)).axes;
+        const OrthotropicLaw<double> law =
+            orthotropic_law(materials[m], std::atan2(dot(axes.e2, along), dot(axes.e1, along)));
+        const std::array<double, OrthotropicTable::values> values{
+            law.q11,   law.q12,     law.q22,     law.q16, law.q26, law.q66, law.transverse_shear,
+            law.shear, law.poisson, law.thinning};
+        for (std::size_t v = 0; v < values.size(); ++v)
+          table->stiffness[(b * values.size() + v) * lanes + lane] = values[v];
+      }
+  }
+}
+
 }  // namespace
 
 ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials,
@@ -68,6 +93,7 @@ ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<Shell
     arrays.family.push_back(std::move(family));
   }
   fill_slots(mesh, arrays);
+  fill_orthotropic(mesh, materials, arrays);
 
   const std::size_t slots = arrays.element.size();
   arrays.thickness.assign(slots, 0.0);
@@ -75,7 +101,7 @@ ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<Shell
   arrays.inertia_ratio.assign(slots, 1.0);
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
     const auto slot = static_cast<std::size_t>(arrays.slot[e]);
-    const double area = reference_area(mesh, e), thickness = mesh.thickness[e];
+    const double area = reference_frame(mesh, e).area, thickness = mesh.thickness[e];
     arrays.thickness[slot] = thickness;
     arrays.mass[slot] = materials[static_cast<std::size_t>(mesh.material[e])].density * thickness * area;
     arrays.inertia_ratio[slot] = rotary_inertia_ratio(area, thickness);

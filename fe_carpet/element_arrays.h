@@ -7,6 +7,7 @@
 
 #include "fe_carpet/carpet.h"
 #include "fe_carpet/lanes.h"
+#include "fe_carpet/orthotropic.h"
 #include "fe_carpet/viscoelastic.h"
 
 namespace tuft::fe {
@@ -18,8 +19,18 @@ inline constexpr std::size_t batch_values = 4 * corner_values;
 /// Batches are summed up in blocks of fixed size, so that sums do not depend on the thread count.
 inline constexpr std::size_t batches_per_block = 8;
 
+/// Orthotropic stiffnesses in the axes of each element of a family as built; in-plane shear turns the
+/// material's directions in the element by half its angle, which is neglected.
+struct OrthotropicTable {
+  static constexpr std::size_t values = 10;
+  PackedDoubles stiffness;  ///< [batch of the family][value][lane], values in OrthotropicLaw's order
+  IsotropicLaw stiffer;     ///< for bounds
+  static constexpr std::size_t plane_rows() { return OrthotropicLaw<double>::plane_rows(); }
+  static constexpr std::size_t shear_rows() { return OrthotropicLaw<double>::shear_rows(); }
+};
+
 /// What a section's elements have in common.
-using SectionLaw = std::variant<IsotropicLaw, ViscoelasticLaw>;
+using SectionLaw = std::variant<IsotropicLaw, ViscoelasticLaw, OrthotropicTable>;
 
 struct ElementArrays;
 struct NodeMotion;

@@ -169,6 +169,29 @@ ThinnedSection advance_thinned(const Law& law, const StateRows& rows, const Pack
   return s;
 }
 
+/// A family's law for one batch: the same for all, or from a table.
+template <class Law>
+const Law& law_of_batch(const ElementFamily& /*family*/, const Law& law, std::size_t /*batch*/) {
+  return law;
+}
+OrthotropicLaw<Pack> law_of_batch(const ElementFamily& family, const OrthotropicTable& table,
+                                  std::size_t batch) {
+  const double* first = &table.stiffness[(batch - family.first_batch) * OrthotropicTable::values * lanes];
+  const auto value = [first](std::size_t v) { return load(first + v * lanes); };
+  return {value(0), value(1), value(2), value(3), value(4), value(5), value(6), value(7), value(8), value(9)};
+}
+
+/// Isotropic and at least as stiff, for bounds.
+const IsotropicLaw& bounding_law(const IsotropicLaw& law) {
+  return law;
+}
+const IsotropicLaw& bounding_law(const ViscoelasticLaw& law) {
+  return law.instantaneous;
+}
+const IsotropicLaw& bounding_law(const OrthotropicTable& table) {
+  return table.stiffer;
+}
+
 /// Sums over the batches of a block.
 struct Works {
   Pack strain{0.0}, hourglass{0.0};
@@ -221,14 +244,13 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
 
-FibrePair<Pack> fibres(const ShellFrame<Pack>& f, double poisson) {
-  const Pack nu(poisson);
+FibrePair<Pack> fibres(const ShellFrame<Pack>& f, const Pack& nu) {
   return {fibre_strain(f.x_xi, f.y_xi, nu), fibre_strain(f.x_eta, f.y_eta, nu)};
 }
 
 template <int Points, class Law>
-void update_full(ElementArrays& elements, const ElementFamily& /*family*/, const Law& law,
-                 const NodeMotion& nodes, double last_step, std::size_t batch, Works& works) {
+void update_full(ElementArrays& elements, const Law& law, const NodeMotion& nodes, double last_step,
+                 std::size_t batch, Works& works) {
   constexpr double gauss = 0.57735026918962576;
   const BatchStep step = take_step(elements, nodes, last_step, batch);
   const Pack t = step.thickness, zero(0.0);
@@ -242,7 +264,8 @@ void update_full(ElementArrays& elements, const ElementFamily& /*family*/, const
   works.hourglass += advance_drilling(rows, k, step.de, s);
 
   const std::size_t sr = law.shear_rows(), point_rows = 2 * sr + section_rows<Points>(law);
-  const FibrePair<Pack> before = fibres(step.middle, law.poisson), after = fibres(step.end, law.poisson);
+  const FibrePair<Pack> before = fibres(step.middle, Pack(law.poisson)),
+                        after = fibres(step.end, Pack(law.poisson));
   Pack stretch(0.0);
   for (std::size_t p = 0; p < 4; ++p) {
     const double xi = p == 0 || p == 3 ? -gauss : gauss, eta = p < 2 ? -gauss : gauss;
@@ -269,10 +292,11 @@ void update_batches(ElementArrays& elements, const ElementFamily& family, const 
   const Law& law = std::get<Law>(family.law);
   Works works;
   for (std::size_t batch = first; batch < last; ++batch) {
+    const auto& of_batch = law_of_batch(family, law, batch);
     if constexpr (Kind == ElementKind::one_point)
-      update_one_point<Points, Law>(elements, family, law, nodes, last_step, batch, works);
+      update_one_point<Points>(elements, family, of_batch, nodes, last_step, batch, works);
     else
-      update_full<Points, Law>(elements, family, law, nodes, last_step, batch, works);
+      update_full<Points>(elements, of_batch, nodes, last_step, batch, works);
   }
   elements.strain_work[block] += sum_lanes(works.strain);
   elements.hourglass_work[block] += sum_lanes(works.hourglass);
@@ -314,17 +338,11 @@ void choose_element_function(ElementFamily& family) {
 
 Pack batch_frequency_squared(const ElementArrays& elements, const Vec3Array& position, std::size_t batch) {
   const ElementFamily& family = elements.family[static_cast<std::size_t>(elements.batch_family[batch])];
-  const IsotropicLaw& law = std::visit(
-      [](const auto& l) -> const IsotropicLaw& {
-        if constexpr (std::is_same_v<std::decay_t<decltype(l)>, IsotropicLaw>)
-          return l;
-        else
-          return l.instantaneous;
-      },
-      family.law);
   const ShellFrame<Pack> f = shell_frame(modes(gather_corners(elements, position, batch)));
   const Pack t = load(&elements.thickness[batch * lanes]);
   const Pack padding_safe_mass = stdx::max(load(&elements.mass[batch * lanes]), Pack(1e-300));
+  const IsotropicLaw& law =
+      std::visit([](const auto& l) -> const IsotropicLaw& { return bounding_law(l); }, family.law);
   ModeStiffness<Pack> k = mode_stiffness<IsotropicLaw, Pack>(law, f, t);
   if (family.section.element == ElementKind::one_point)
     k = scaled_hourglass(k, family.section.hourglass_coefficient);

@@ -58,6 +58,25 @@ template <class Real>
   return s.xx * e.xx + s.yy * e.yy + s.xy * e.xy;
 }
 
+/// Adds an increment of stress to the state of an elastic point.
+template <class Real, class Rows>
+[[nodiscard]] inline PlaneAdvance<Real> add_stress(const Rows& rows, const PlaneStress<Real>& d,
+                                                   const Real& thickness_strain) {
+  const PlaneStress<Real> before{rows.read(0), rows.read(1), rows.read(2)};
+  const PlaneStress<Real> after{before.xx + d.xx, before.yy + d.yy, before.xy + d.xy};
+  rows.write(0, after.xx);
+  rows.write(1, after.yy);
+  rows.write(2, after.xy);
+  return {after, {before.xx + 0.5 * d.xx, before.yy + 0.5 * d.yy, before.xy + 0.5 * d.xy}, thickness_strain};
+}
+
+template <class Real, class Rows>
+[[nodiscard]] inline ShearAdvance<Real> add_shear(const Rows& rows, const Real& d) {
+  const Real before = rows.read(0), after = before + d;
+  rows.write(0, after);
+  return {after, before + 0.5 * d};
+}
+
 /// Isotropic linear elastic.
 struct IsotropicLaw {
   double direct = 0;            ///< E / (1 - nu^2)
@@ -81,21 +100,11 @@ struct IsotropicLaw {
   [[nodiscard]] double drilling_modulus() const { return shear; }
   template <class Real, class Rows>
   [[nodiscard]] PlaneAdvance<Real> advance(const Rows& rows, const PlaneStrain<Real>& de) const {
-    const PlaneStress<Real> d = stress(de.xx, de.yy, de.xy);
-    const PlaneStress<Real> before{rows.read(0), rows.read(1), rows.read(2)};
-    const PlaneStress<Real> after{before.xx + d.xx, before.yy + d.yy, before.xy + d.xy};
-    rows.write(0, after.xx);
-    rows.write(1, after.yy);
-    rows.write(2, after.xy);
-    return {after,
-            {before.xx + 0.5 * d.xx, before.yy + 0.5 * d.yy, before.xy + 0.5 * d.xy},
-            -thinning * (de.xx + de.yy)};
+    return add_stress(rows, stress(de.xx, de.yy, de.xy), Real(-thinning * (de.xx + de.yy)));
   }
   template <class Real, class Rows>
   [[nodiscard]] ShearAdvance<Real> advance_shear(const Rows& rows, const Real& dg) const {
-    const Real d = transverse_shear * dg, before = rows.read(0), after = before + d;
-    rows.write(0, after);
-    return {after, before + 0.5 * d};
+    return add_shear(rows, Real(transverse_shear * dg));
   }
 };
 
