@@ -26,6 +26,8 @@ struct Definition {
 constexpr std::array definitions{
     Definition{"shell_one_point_elastic", "element-steps/s", "element_steps", Pick::largest},
     Definition{"shell_one_point_3pt", "element-steps/s", "element_steps", Pick::largest},
+    Definition{"shell_full_elastic", "element-steps/s", "element_steps", Pick::largest},
+    Definition{"shell_full_prony_3pt", "element-steps/s", "element_steps", Pick::largest},
     Definition{"sph_paper", "particle-steps/s", "particle_steps", Pick::largest},
     Definition{"sph_accurate", "particle-steps/s", "particle_steps", Pick::largest},
     Definition{"bridge_overhead_20k", "share of the DEM step", "share", Pick::median},

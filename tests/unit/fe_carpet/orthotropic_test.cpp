@@ -79,12 +79,16 @@ double first_axial_frequency_squared(double turned, ElementKind element) {
                           Vec3(0, 0, 0));
   const Vec3Array load = no_load(strip.node_count());
   const auto tip = static_cast<std::size_t>(strip.node(16, 1));
-  int steps = 0;
-  while (carpet.nodes().vx[tip] > 0 && steps < 100000) {
+  // Velocities belong to the middles of the steps, the first half a step before the start.
+  double before = carpet.nodes().vx[tip], time = -0.5 * dt;
+  while (time < 1) {
     carpet.step(dt, load);
-    ++steps;
+    const double now = carpet.nodes().vx[tip];
+    if (now <= 0) break;
+    before = now;
+    time += dt;
   }
-  const double quarter = steps * dt;
+  const double quarter = time + dt * before / (before - carpet.nodes().vx[tip]);
   return std::pow(std::numbers::pi / 2 / quarter, 2);
 }
 
