@@ -11,7 +11,7 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 2";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 3";  // raise when packing or settling changes its results
 
 /// $TUFT_CACHE, else $XDG_CACHE_HOME/tuft, else ~/.cache/tuft; empty when there is no home.
 std::filesystem::path cache_folder() {

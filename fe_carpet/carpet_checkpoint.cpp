@@ -109,6 +109,7 @@ void Carpet::save(h5::Group& group) const {
   group.write_scalar("time", c.time);
   group.write_scalar("damping", c.options.damping);
   group.write_scalar("steps", c.steps);
+  group.write_scalar("from_rest", static_cast<std::uint64_t>(c.from_rest));
 }
 
 void Carpet::load(const h5::Group& group) {
@@ -125,6 +126,7 @@ void Carpet::load(const h5::Group& group) {
   const double last_step = group.read_double("last_step"), time = group.read_double("time");
   const double damping = group.read_double("damping");
   const std::uint64_t steps = group.read_count("steps");
+  const bool from_rest = group.read_count("from_rest") != 0;
 
   c.nodes.motion = {std::move(position), std::move(velocity), std::move(angular_velocity)};
   pack_state(state, c.elements);
@@ -135,6 +137,7 @@ void Carpet::load(const h5::Group& group) {
   c.time = time;
   c.options.damping = damping;
   c.steps = steps;
+  c.from_rest = from_rest;
 }
 
 }  // namespace tuft::fe

@@ -73,23 +73,41 @@ Pack advance_hourglass(const StateRows& rows, const ModeStiffness<Pack>& k, cons
   return work;
 }
 
-/// Hourglass viscosity: forces proportional to the modes' rates, with the share `ratio` of what would damp
-/// each critically. Returns its work.
-Pack damp_hourglass(const ShellFrame<Pack>& f, const ModeStiffness<Pack>& k, const Pack& mass,
-                    const Pack& inertia_ratio, double ratio, double step, const ShellModes<Pack>& de,
-                    ShellModes<Pack>& s) {
+/// Hourglass viscosity: the share `ratio` of what would damp each mode critically. In `spin` and its
+/// deviations there is none.
+ModeStiffness<Pack> mode_damping(const ShellFrame<Pack>& f, const ModeStiffness<Pack>& k, const Pack& mass,
+                                 const Pack& inertia_ratio, double ratio) {
   using stdx::sqrt;
-  const Pack scale(2 * ratio / step);
-  const auto damp = [&](const Pack& stiffness, const Pack& modal_mass, const Pack& increment, Pack& force) {
-    force = scale * sqrt(stiffness * modal_mass) * increment;
-    return force * increment;
+  const auto damping = [ratio](const Pack& stiffness, const Pack& modal_mass) {
+    return 2 * ratio * sqrt(stiffness * modal_mass);
   };
-  Pack work = damp(k.fibre_xi, mass * (f.x_xi * f.x_xi + f.y_xi * f.y_xi), de.fibre_xi, s.fibre_xi);
-  work += damp(k.fibre_eta, mass * (f.x_eta * f.x_eta + f.y_eta * f.y_eta), de.fibre_eta, s.fibre_eta);
-  work += damp(k.turn_xx, mass * inertia_ratio, de.turn_x, s.turn_x);
-  work += damp(k.turn_yy, mass * inertia_ratio, de.turn_y, s.turn_y);
-  work += damp(k.shear_xi_eta, mass, de.shear_xi_eta, s.shear_xi_eta);
-  work += damp(k.shear_eta_xi, mass, de.shear_eta_xi, s.shear_eta_xi);
+  const Pack zero(0.0), inertia = mass * inertia_ratio;
+  return {damping(k.fibre_xi, mass * (f.x_xi * f.x_xi + f.y_xi * f.y_xi)),
+          damping(k.fibre_eta, mass * (f.x_eta * f.x_eta + f.y_eta * f.y_eta)),
+          damping(k.turn_xx, inertia),
+          zero,
+          damping(k.turn_yy, inertia),
+          damping(k.shear_xi_eta, mass),
+          damping(k.shear_eta_xi, mass),
+          zero,
+          zero};
+}
+
+/// Forces proportional to the modes' rates over a step; returns their work.
+Pack damp_hourglass(const ModeStiffness<Pack>& damping, double step, const ShellModes<Pack>& de,
+                    ShellModes<Pack>& s) {
+  const Pack over(1 / step);
+  Pack work(0.0);
+  const auto damp = [&](const Pack& c, const Pack& increment, Pack& force) {
+    force = over * c * increment;
+    work += force * increment;
+  };
+  damp(damping.fibre_xi, de.fibre_xi, s.fibre_xi);
+  damp(damping.fibre_eta, de.fibre_eta, s.fibre_eta);
+  damp(damping.turn_xx, de.turn_x, s.turn_x);
+  damp(damping.turn_yy, de.turn_y, s.turn_y);
+  damp(damping.shear_xi_eta, de.shear_xi_eta, s.shear_xi_eta);
+  damp(damping.shear_eta_xi, de.shear_eta_xi, s.shear_eta_xi);
   return work;
 }
 
@@ -213,9 +231,10 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
     works.hourglass += advance_hourglass(rows, scaled_hourglass(k, options.hourglass_coefficient), de, s);
   } else {
     const double step_length = last_step > 0 ? last_step : 1;  // before the first step nothing has moved
-    works.hourglass += damp_hourglass(f, k, load(&elements.mass[batch * lanes]),
-                                      load(&elements.inertia_ratio[batch * lanes]),
-                                      options.hourglass_coefficient, step_length, de, s);
+    const ModeStiffness<Pack> damping =
+        mode_damping(f, k, load(&elements.mass[batch * lanes]), load(&elements.inertia_ratio[batch * lanes]),
+                     options.hourglass_coefficient);
+    works.hourglass += damp_hourglass(damping, step_length, de, s);
   }
   works.hourglass += advance_drilling(rows.from(hourglass_rows), k, de, s);
 
@@ -343,11 +362,27 @@ Pack batch_frequency_squared(const ElementArrays& elements, const Vec3Array& pos
   const Pack padding_safe_mass = stdx::max(load(&elements.mass[batch * lanes]), Pack(1e-300));
   const IsotropicLaw& law =
       std::visit([](const auto& l) -> const IsotropicLaw& { return bounding_law(l); }, family.law);
-  ModeStiffness<Pack> k = mode_stiffness<IsotropicLaw, Pack>(law, f, t);
-  if (family.section.element == ElementKind::one_point)
-    k = scaled_hourglass(k, family.section.hourglass_coefficient);
-  return frequency_squared_bound(f, law, t, padding_safe_mass, load(&elements.inertia_ratio[batch * lanes]),
-                                 k);
+  const ModeStiffness<Pack> k = mode_stiffness<IsotropicLaw, Pack>(law, f, t);
+  const Pack inertia_ratio = load(&elements.inertia_ratio[batch * lanes]);
+  const auto bound = [&](const ModeStiffness<Pack>& modes_stiffness) {
+    return frequency_squared_bound(f, law, t, padding_safe_mass, inertia_ratio, modes_stiffness);
+  };
+  const ShellSection& section = family.section;
+  if (section.element == ElementKind::fully_integrated) return bound(k);
+  if (section.hourglass == HourglassControl::stiffness)
+    return bound(scaled_hourglass(k, section.hourglass_coefficient));
+  // Damping forces C v are taken from the velocity before the step, which is stable while K + (2/dt) C <=
+  // (4/dt^2) M: as a stiffness of omega C at the limit omega = 2/dt. Should that be above the omega tried, by
+  // a factor b in its square, b omega is enough, since K + b omega C <= b (K + omega C).
+  const Pack tried = bound(scaled_hourglass(k, 0)), omega = stdx::sqrt(tried);
+  ModeStiffness<Pack> damped =
+      mode_damping(f, k, padding_safe_mass, inertia_ratio, section.hourglass_coefficient);
+  for (Pack* mode : {&damped.fibre_xi, &damped.fibre_eta, &damped.turn_xx, &damped.turn_yy,
+                     &damped.shear_xi_eta, &damped.shear_eta_xi})
+    *mode = omega * *mode;
+  damped.spin = k.spin;
+  const Pack over = stdx::max(Pack(1.0), bound(damped) / stdx::max(tried, Pack(1e-300)));
+  return tried * over * over;
 }
 
 Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes, double last_step) {

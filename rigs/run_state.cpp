@@ -13,7 +13,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 2;
+constexpr std::uint64_t checkpoint_format = 3;
 
 /// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
 /// may not.

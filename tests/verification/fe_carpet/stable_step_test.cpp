@@ -121,6 +121,20 @@ TEST(StableStep, NineTenthsOfItIsStableOverTwentyThousandSteps) {
   }
 }
 
+TEST(StableStep, NineTenthsOfItIsStableUnderViscousHourglassControlWhichTakesEnergyOnly) {
+  for (const double coefficient : {0.05, 0.3, 1.0})
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{5}}) {
+      const Case c = cases()[i];
+      CarpetOptions options = no_gravity();
+      options.section.hourglass = HourglassControl::viscous;
+      options.section.hourglass_coefficient = coefficient;
+      Carpet carpet(c.mesh, c.materials, options);
+      EXPECT_LT(largest_energy_growth(carpet, 0.9 * carpet.stable_step(), 20000), 10)
+          << c.name << ", coefficient " << coefficient;
+      EXPECT_GT(carpet.energy().hourglass, 0);
+    }
+}
+
 TEST(StableStep, ThirtyPercentOverTheTrueLimitIsCaughtAndNamed) {
   for (const Case& c : cases()) {
     Carpet carpet(c.mesh, c.materials, no_gravity());
