@@ -50,7 +50,7 @@ struct PronyTerm {
   double decay = 0;    ///< 1/s, >= 0
 };
 
-/// Isotropic shell material; viscoelastic when it has relaxation terms.
+/// Isotropic shell material, viscoelastic when it has relaxation terms; or orthotropic and elastic.
 struct ShellMaterial {
   double young_modulus = 0;  ///< Pa, > 0; of a viscoelastic material the instantaneous one
   double poisson_ratio = 0;  ///< [0, 0.5), instantaneous; the volume does not relax

@@ -17,6 +17,9 @@ void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
         inside.quantity(required("modulus", "shear modulus of the term"), term.modulus, "Pa", positive);
         inside.quantity(required("decay", "rate at which it relaxes"), term.decay, "Hz", non_negative);
       });
+}
+
+void describe_orthotropic(KeyVisitor& keys, ShellMaterial& material) {
   keys.quantity({"across_young_modulus", "orthotropic: Young's modulus across the rows; 0: isotropic"},
                 material.across_young_modulus, "Pa", non_negative);
   keys.quantity({"shear_modulus", "orthotropic: shear modulus in the plane"}, material.shear_modulus, "Pa",
@@ -147,6 +150,7 @@ void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
   });
   keys.table({"backing", "material and shells of the backing"}, [&](KeyVisitor& inside) {
     describe_shell_material(inside, carpet.backing);
+    describe_orthotropic(inside, carpet.backing);
     describe_shell_section(inside, carpet.backing_section);
   });
 }

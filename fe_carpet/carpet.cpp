@@ -26,16 +26,18 @@ void check_orthotropic(const ShellMaterial& material, std::size_t m) {
     throw_input_error(
         "shell material {}: it is orthotropic, and its shear modulus is {} Pa; give a positive one", m,
         material.shear_modulus);
-  if (!(nu * nu * e2 < e1))
+  if (!(4 * nu * nu * e2 < e1))
     throw_input_error(
-        "shell material {}: Poisson's ratio {} with moduli {} and {} Pa along and across makes its stiffness "
-        "indefinite; the square of the ratio must be under along / across",
-        m, nu, e1, e2);
+        "shell material {}: Poisson's ratio {} with moduli {} and {} Pa along and across: the mean of both "
+        "ratios, "
+        "nu sqrt(across / along), is {}; it must be under 0.5",
+        m, nu, e1, e2, nu * std::sqrt(e2 / e1));
   if (!material.relaxation.empty())
     throw_input_error("shell material {}: orthotropic and relaxing at once is not supported; leave one out",
                       m);
   const auto& a = material.along;
-  if (!(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0))
+  const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  if (!(length > 0) || !std::isfinite(length))
     throw_input_error("shell material {}: its direction along has no length", m);
 }
 
@@ -154,6 +156,7 @@ double Carpet::Impl::largest_frequency_squared() const {
 /// Strains and stresses up to the present positions, so that velocities may change.
 void Carpet::Impl::settle_elements() {
   update_elements();
+  stop_on_inverted_element();
   last_step = 0;
 }
 
@@ -386,6 +389,10 @@ void Carpet::set_velocity(std::size_t node, const Vec3& linear, const Vec3& angu
   if (node >= impl_->nodes.size()) throw std::logic_error(fmt::format("carpet: no node {}", node));
   if (impl_->nodes.clamped[node])
     throw std::logic_error(fmt::format("carpet: node {} is clamped, it cannot move", node));
+  for (std::size_t c = 0; c < 6; ++c)
+    if (impl_->nodes.free_of(c)[node] == 0 &&
+        (c < 3 ? linear : angular)[static_cast<Eigen::Index>(c % 3)] != 0)
+      throw std::logic_error(fmt::format("carpet: node {} is held, it cannot move so", node));
   impl_->nodes.motion.velocity.set(node, linear);
   impl_->nodes.motion.angular_velocity.set(node, angular);
 }

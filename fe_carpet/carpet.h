@@ -89,7 +89,9 @@ class Carpet {
   void set_damping(double rate);  ///< 1/s
   [[nodiscard]] CarpetEnergy energy() const;
   [[nodiscard]] double kinetic_energy() const;  ///< J, energy().kinetic after the first step; cheap
-  void stop();  ///< takes all velocities away and books their energy as damping
+  /// Takes all velocities away and books their energy as damping. The ledger is open by the work of half a
+  /// step afterwards: loads and inner forces of the step before count only half for it.
+  void stop();
   /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
   [[nodiscard]] Vec3 impulse_received() const;
   [[nodiscard]] Vec3 impulse_to_clamps() const;

@@ -1,5 +1,6 @@
 #include "fe_carpet/element_arrays.h"
 
+#include "core/error.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe {
@@ -68,6 +69,13 @@ void fill_orthotropic(const ShellMesh& mesh, const std::vector<ShellMaterial>& m
         const Index e = arrays.element[(family.first_batch + b) * lanes + lane];
         if (e < 0) continue;
         const LocalAxes<double> axes = reference_frame(mesh, static_cast<std::size_t>(e)).axes;
+        const double out = dot(axes.e3, along);
+        if (!(out * out < 0.99 * dot(along, along)))
+          throw_input_error(
+              "shell material {}: its direction along stands upright on element {}; give one in the plane of "
+              "its "
+              "shells",
+              m, e);
         const OrthotropicLaw<double> law =
             orthotropic_law(materials[m], std::atan2(dot(axes.e2, along), dot(axes.e1, along)));
         const std::array<double, OrthotropicTable::values> values{

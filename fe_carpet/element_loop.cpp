@@ -93,21 +93,23 @@ ModeStiffness<Pack> mode_damping(const ShellFrame<Pack>& f, const ModeStiffness<
           zero};
 }
 
-/// Forces proportional to the modes' rates over a step; returns their work.
-Pack damp_hourglass(const ModeStiffness<Pack>& damping, double step, const ShellModes<Pack>& de,
-                    ShellModes<Pack>& s) {
+/// Forces proportional to the modes' rates over a step. The rows keep those of the step before: the nodes do
+/// the work of the mean of both, which is returned.
+Pack damp_hourglass(const StateRows& rows, const ModeStiffness<Pack>& damping, double step,
+                    const ShellModes<Pack>& de, ShellModes<Pack>& s) {
   const Pack over(1 / step);
   Pack work(0.0);
-  const auto damp = [&](const Pack& c, const Pack& increment, Pack& force) {
+  const auto damp = [&](std::size_t row, const Pack& c, const Pack& increment, Pack& force) {
     force = over * c * increment;
-    work += force * increment;
+    work += 0.5 * (rows.read(row) + force) * increment;
+    rows.write(row, force);
   };
-  damp(damping.fibre_xi, de.fibre_xi, s.fibre_xi);
-  damp(damping.fibre_eta, de.fibre_eta, s.fibre_eta);
-  damp(damping.turn_xx, de.turn_x, s.turn_x);
-  damp(damping.turn_yy, de.turn_y, s.turn_y);
-  damp(damping.shear_xi_eta, de.shear_xi_eta, s.shear_xi_eta);
-  damp(damping.shear_eta_xi, de.shear_eta_xi, s.shear_eta_xi);
+  damp(0, damping.fibre_xi, de.fibre_xi, s.fibre_xi);
+  damp(1, damping.fibre_eta, de.fibre_eta, s.fibre_eta);
+  damp(2, damping.turn_xx, de.turn_x, s.turn_x);
+  damp(3, damping.turn_yy, de.turn_y, s.turn_y);
+  damp(4, damping.shear_xi_eta, de.shear_xi_eta, s.shear_xi_eta);
+  damp(5, damping.shear_eta_xi, de.shear_eta_xi, s.shear_eta_xi);
   return work;
 }
 
@@ -234,7 +236,7 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
     const ModeStiffness<Pack> damping =
         mode_damping(f, k, load(&elements.mass[batch * lanes]), load(&elements.inertia_ratio[batch * lanes]),
                      options.hourglass_coefficient);
-    works.hourglass += damp_hourglass(damping, step_length, de, s);
+    works.hourglass += damp_hourglass(rows, damping, step_length, de, s);
   }
   works.hourglass += advance_drilling(rows.from(hourglass_rows), k, de, s);
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Orthotropic linear elastic shells: woven and stitched backings, stiff along and across the stitch and soft
-/// in shear. Pure functions.
+/// in shear. Pure functions. In-plane bending of one element is computed for sides along or across the
+/// stitch; see docs/theory/shells.md for what that costs in other directions.
 #include "fe_carpet/plane_stress.h"
 
 namespace tuft::fe {

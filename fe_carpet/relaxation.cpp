@@ -45,7 +45,7 @@ RelaxationResult relax(Carpet& carpet, const LoadAtShare& load, const Relaxation
   force.assign(nodes, 0.0);
   moment.assign(nodes, 0.0);
   RelaxationResult result;
-  double dt = 0, time = 0, kinetic_before = 0;
+  double dt = 0, time = 0, kinetic_before = 0, kinetic_peak = 0;
   Swing swing;
   int quiet_swings = 0;
   while (result.steps < options.most_steps) {
@@ -61,16 +61,22 @@ RelaxationResult relax(Carpet& carpet, const LoadAtShare& load, const Relaxation
     ++swing.steps;
     const double kinetic = carpet.kinetic_energy();
     const bool past_peak = kinetic<kinetic_before&& static_cast<double>(swing.steps)> swing.shortest;
+    kinetic_peak = std::max(kinetic_peak, kinetic);
     if (!past_peak) {
       kinetic_before = kinetic;
+      // Nothing to move: no load, or none any more.
+      if (!ramping && kinetic_peak == 0 && swing.steps == steps_between_looks) {
+        result.at_rest = true;
+        return result;
+      }
       continue;
     }
     const CarpetEnergy energy = carpet.energy();
-    result.kinetic_share = kinetic_before / std::max(energy.strain + energy.hourglass, 1e-300);
+    result.kinetic_share = kinetic_peak / std::max(energy.strain + energy.hourglass, 1e-300);
     carpet.stop();
     ++result.swings;
     swing.end(ramping);
-    kinetic_before = 0;
+    kinetic_before = kinetic_peak = 0;
     quiet_swings = !ramping && result.kinetic_share < options.tolerance ? quiet_swings + 1 : 0;
     if (quiet_swings == quiet_swings_at_rest) {
       result.at_rest = true;

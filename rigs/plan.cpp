@@ -112,6 +112,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   plan.shells = mesh.quads.size();
   plan.nodes = mesh.nodes.size();
   fe::CarpetOptions options;
+  options.sections = {scene.turf.carpet.backing_section, scene.turf.carpet.fibre_section};
   const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre}, options);
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);

@@ -40,6 +40,21 @@ TEST(Orthotropic, YoungsModulusFollowsTheClosedFormInEveryDirection) {
   }
 }
 
+TEST(Orthotropic, StressInTurnedAxesIsTheTurnedStress) {
+  const OrthotropicLaw<double> own = orthotropic_law(cloth(), 0);
+  const double exx = 1e-3, eyy = -4e-4, gxy = 7e-4;
+  for (const double angle : {-0.9, 0.5, 2.0}) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const PlaneStress<double> t =
+        own.stress(c * c * exx + s * s * eyy + c * s * gxy, s * s * exx + c * c * eyy - c * s * gxy,
+                   2 * c * s * (eyy - exx) + (c * c - s * s) * gxy);
+    const PlaneStress<double> a = orthotropic_law(cloth(), angle).stress(exx, eyy, gxy);
+    EXPECT_NEAR(a.xx, c * c * t.xx + s * s * t.yy - 2 * c * s * t.xy, 1e-6);
+    EXPECT_NEAR(a.yy, s * s * t.xx + c * c * t.yy + 2 * c * s * t.xy, 1e-6);
+    EXPECT_NEAR(a.xy, c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy, 1e-6);
+  }
+}
+
 TEST(Orthotropic, WithEqualModuliIsTheIsotropicLaw) {
   ShellMaterial m{200e6, 0.3, 950};
   m.across_young_modulus = m.young_modulus;
@@ -115,10 +130,13 @@ TEST(Orthotropic, ImpossibleConstantsAreRefused) {
   EXPECT_NE(refused(m).find("shear modulus is 0"), std::string::npos) << refused(m);
   m = cloth();
   m.across_young_modulus = 100 * m.young_modulus;
-  EXPECT_NE(refused(m).find("indefinite"), std::string::npos) << refused(m);
+  EXPECT_NE(refused(m).find("under 0.5"), std::string::npos) << refused(m);
   m = cloth();
   m.relaxation = {{1e6, 10}};
   EXPECT_NE(refused(m).find("not supported"), std::string::npos) << refused(m);
+  m = cloth();
+  m.along = {0, 0, 1};
+  EXPECT_NE(refused(m).find("upright on element 0"), std::string::npos) << refused(m);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <numbers>
+#include <string>
 
 #include "fe_carpet/stable_step.h"
 #include "tests/verification/fe_carpet/strip.h"
@@ -94,6 +95,40 @@ TEST_P(LargeMotion, AWarpedElementTurnedOnceAroundHasNoStress) {
 
 INSTANTIATE_TEST_SUITE_P(Of, LargeMotion, testing::ValuesIn(kinds()),
                          [](const auto& parameter) { return parameter.param.name; });
+
+/// A strip pulled by a steady end load that relaxes with one term: its extension creeps from load over E at
+/// once to load over E in the long run.
+class Creep : public testing::TestWithParam<ShellSection> {};
+
+TEST_P(Creep, GoesFromTheInstantaneousToTheLongTermModulus) {
+  const double nu = 0.42, shear = 0.3273e9, bulk = 2 * shear * (1 + nu) / (3 * (1 - 2 * nu)), left = 0.1273e9;
+  const ShellMaterial material{2 * shear * (1 + nu), nu, 920, {{shear - left, 1000}}};
+  const Strip strip = make_strip({0.012, 0.0013, 0.0001, 4, 1}, true);
+  CarpetOptions options = no_gravity();
+  options.section = GetParam();
+  options.damping = 2e4;
+  Carpet carpet(strip.mesh, {material}, options);
+  Vec3Array load = no_load(strip.node_count());
+  const double stress = 1e5, force = stress * 0.0013 * 0.0001;
+  for (Index j = 0; j <= 1; ++j) load.set(static_cast<std::size_t>(strip.node(4, j)), Vec3(force / 2, 0, 0));
+  const double dt = 0.8 * carpet.stable_step();
+  const auto extension = [&] { return position(carpet, strip.node(4, 0)).x() / 0.012 - 1; };
+  for (double t = 0; t < 0.02; t += dt) carpet.step(dt, load);
+  const double long_term = 9 * bulk * left / (3 * bulk + left);
+  // The clamp holds the width of the first element, which stiffens the strip by some 3 %.
+  EXPECT_NEAR(extension() * long_term / stress, 1, 0.05);
+  EXPECT_GT(extension() * material.young_modulus / stress, 2.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Creep,
+                         testing::Values(ShellSection{ElementKind::one_point, 1},
+                                         ShellSection{ElementKind::one_point, 3},
+                                         ShellSection{ElementKind::fully_integrated, 1},
+                                         ShellSection{ElementKind::fully_integrated, 3}),
+                         [](const auto& p) {
+                           return (p.param.element == ElementKind::one_point ? "one_point_" : "full_") +
+                                  std::to_string(p.param.thickness_points);
+                         });
 
 TEST(FibreField, OfFiftyThousandShellsThrownAtFiveMetresPerSecondIsStableAtTheDefaultSafetyFactor) {
   constexpr Index strands = 2381, elements = 21;
