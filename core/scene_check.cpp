@@ -43,6 +43,34 @@ void check_shares(const Material& material, const std::string& path, const Place
                 fmt::format("mass fractions add up to {:g}; make it 1", sum));
 }
 
+/// What one key of a shell's material says of another; ranges of single keys are the schema's.
+void check_shell_material(const ShellMaterial& m, const std::string& path, const Places& places) {
+  double relaxing = 0;
+  for (const PronyTerm& term : m.relaxation) relaxing += term.modulus;
+  const double shear = m.young_modulus / (2 * (1 + m.poisson_ratio));
+  if (relaxing > shear * (1 + 1e-9))
+    places.fail(
+        path + ".relaxation",
+        fmt::format("its moduli add up to {:g} Pa, more than the instantaneous shear modulus of {:g} Pa; "
+                    "raise young_modulus or lower them",
+                    relaxing, shear));
+  if (!m.orthotropic()) {
+    if (m.shear_modulus > 0)
+      places.fail(path + ".shear_modulus", "is for an orthotropic material; give across_young_modulus too");
+    return;
+  }
+  if (!(m.shear_modulus > 0))
+    places.fail(path + ".across_young_modulus", "makes the material orthotropic; give shear_modulus too");
+  if (!m.relaxation.empty())
+    places.fail(path + ".across_young_modulus",
+                "orthotropic and relaxing at once is not there; leave one out");
+  const double mean = m.poisson_ratio * std::sqrt(m.across_young_modulus / m.young_modulus);
+  if (!(mean < 0.5))
+    places.fail(
+        path + ".poisson_ratio",
+        fmt::format("the mean of both ratios, nu sqrt(across / along), is {:g}; it must be under 0.5", mean));
+}
+
 struct PresetValues {
   Kernel kernel;
   double over_pitch;  ///< smoothing length / pitch
@@ -157,6 +185,8 @@ void complete_material(Material& material, Index self, const std::string& path, 
 }
 
 void complete_scene(Scene& scene, const Places& places) {
+  check_shell_material(scene.turf.carpet.fibre, "turf.carpet.fibre", places);
+  check_shell_material(scene.turf.carpet.backing, "turf.carpet.backing", places);
   complete_sph(scene.infill.sph, places);
   check_dem_names(scene, places);
   check_layers(scene, places);

@@ -373,5 +373,21 @@ TEST(SceneMistakes, NamesOfGrainsInDemOptions) {
       StartsWith("a.toml:25: infill.dem.pairs.0.materials.1: \"gravel\": no such file in materials/"));
 }
 
+TEST(SceneMistakes, KeysOfAShellMaterialThatDoNotGoTogetherAreNamed) {
+  const auto said = [](const Overrides& overrides) {
+    return message_of<InputError>([&] { (void)read_scene("inputs/clegg_small.toml", overrides); });
+  };
+  EXPECT_THAT(
+      said({{"turf.carpet.backing.across_young_modulus", "\"50 MPa\""}}),
+      AllOf(HasSubstr("turf.carpet.backing.across_young_modulus"), HasSubstr("give shear_modulus too")));
+  EXPECT_THAT(said({{"turf.carpet.backing.shear_modulus", "\"5 MPa\""}}),
+              AllOf(HasSubstr("turf.carpet.backing.shear_modulus"), HasSubstr("across_young_modulus too")));
+  EXPECT_THAT(said({{"turf.carpet.backing.across_young_modulus", "\"5 GPa\""},
+                    {"turf.carpet.backing.shear_modulus", "\"5 MPa\""}}),
+              AllOf(HasSubstr("turf.carpet.backing.poisson_ratio"), HasSubstr("under 0.5")));
+  EXPECT_THAT(said({{"turf.carpet.fibre.relaxation", "[{ modulus = \"1 GPa\", decay = \"10 Hz\" }]"}}),
+              AllOf(HasSubstr("turf.carpet.fibre.relaxation"), HasSubstr("add up to 1e+09 Pa")));
+}
+
 }  // namespace
 }  // namespace tuft
