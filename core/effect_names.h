@@ -9,7 +9,7 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 7> named_effects{{
+inline constexpr std::array<EffectName, 8> named_effects{{
     {"fibres", "strands of the carpet; off: the backing alone"},
     {"friction_rate", "friction that changes with sliding speed"},
     {"artificial_viscosity", "artificial viscosity (sph)"},
@@ -17,6 +17,7 @@ inline constexpr std::array<EffectName, 7> named_effects{{
     {"rolling_resistance", "resistance of grains to rolling (dem)"},
     {"overlap_release", "initial overlap let go gradually"},
     {"contact_damping", "energy lost in contacts"},
+    {"erosion", "shells that are strained too far fail"},
 }};
 
 inline constexpr std::array<std::string_view, named_effects.size()> effect_names = [] {

@@ -90,6 +90,13 @@ Need need_contact_damping(const Scene& scene) {
   return {true, "contacts of " + name + " lose energy (contact_restitution below 1)"};
 }
 
+Need need_erosion(const Scene& scene) {
+  const CarpetDesign& carpet = scene.turf.carpet;
+  if (carpet.fibre.can_fail()) return {true, "turf.carpet.fibre has a failure_strain"};
+  if (carpet.backing.can_fail()) return {true, "turf.carpet.backing has a failure_strain"};
+  return {false, "no shell material has a failure_strain"};
+}
+
 constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"fibres", std::nullopt, need_fibres},
     {"friction_rate", std::nullopt, need_friction_rate},
@@ -98,6 +105,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"rolling_resistance", Approach::dem, need_rolling_resistance},
     {"overlap_release", std::nullopt, need_overlap_release},
     {"contact_damping", std::nullopt, need_contact_damping},
+    {"erosion", std::nullopt, need_erosion},
 }};
 
 static_assert([] {

@@ -63,7 +63,11 @@ struct ShellMaterial {
   double shear_modulus = 0;                 ///< Pa, > 0 when orthotropic; otherwise unused
   std::array<double, 3> along = {1, 0, 0};  ///< direction of the stitch, projected into each shell
 
+  /// Largest principal strain (logarithmic) at which a shell of it goes (fe_carpet/erosion.h); 0: none does.
+  double failure_strain = 0;
+
   [[nodiscard]] bool orthotropic() const { return across_young_modulus > 0; }
+  [[nodiscard]] bool can_fail() const { return failure_strain > 0; }
 };
 
 /// What becomes of the parts of a mesh file whose names say neither backing nor fibre.
@@ -280,7 +284,7 @@ struct EffectDecision {
 
 /// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
 /// (velocity-dependent friction), artificial_viscosity, tension_cutoff, rolling_resistance, overlap_release,
-/// contact_damping.
+/// contact_damping, erosion.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 [[nodiscard]] bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name);
 

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "fe_carpet/carpet_impl.h"
+#include "fe_carpet/erosion.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe {
@@ -72,6 +73,9 @@ void check_materials(const ShellMesh& mesh, const std::vector<ShellMaterial>& ma
       throw_input_error("shell material {}: Poisson's ratio is {}; it must be in [0, 0.5)", m,
                         material.poisson_ratio);
     check_relaxation(material, m);
+    if (!(material.failure_strain >= 0) || !std::isfinite(material.failure_strain))
+      throw_input_error("shell material {}: failure strain is {}; it must be positive, or 0 for none", m,
+                        material.failure_strain);
     if (material.orthotropic()) check_orthotropic(material, m);
   }
   for (std::size_t e = 0; e < mesh.material.size(); ++e)
@@ -168,6 +172,10 @@ void Carpet::Impl::update_elements() {
     const ElementBlock& block = elements.block[b];
     const ElementFamily& family = elements.family[block.family];
     family.update(elements, family, nodes.motion, last_step, block.first_batch, block.last_batch, b);
+  }
+  if (std::any_of(elements.failing.begin(), elements.failing.end(), [](std::uint8_t f) { return f != 0; })) {
+    const ErodedWork taken = erode_marked(elements, static_cast<Index>(nodes.size()));
+    eroded_energy += taken.strain + taken.hourglass;
   }
 }
 
@@ -287,12 +295,16 @@ const ShellMesh& Carpet::mesh() const {
 
 NodeView Carpet::nodes() const {
   const NodeMotion& motion = impl_->nodes.motion;
-  return {motion.position.x, motion.position.y, motion.position.z, motion.velocity.x,
-          motion.velocity.y, motion.velocity.z, impl_->nodes.mass, impl_->nodes.clamped};
+  const auto own = [this](const std::vector<double>& values) {
+    return std::span<const double>(values.data(), impl_->nodes.size());
+  };
+  return {own(motion.position.x), own(motion.position.y), own(motion.position.z), own(motion.velocity.x),
+          own(motion.velocity.y), own(motion.velocity.z), impl_->nodes.mass,      impl_->nodes.clamped};
 }
 
 double Carpet::stable_step() const {
-  return 2 / std::sqrt(impl_->largest_frequency_squared());
+  const double largest = impl_->largest_frequency_squared();
+  return largest > 0 ? 2 / std::sqrt(largest) : impl_->initial_stable_step;  // 0: all elements are gone
 }
 
 std::span<const double> Carpet::node_contact_stiffness() const {
@@ -330,6 +342,7 @@ CarpetEnergy Carpet::energy() const {
   CarpetEnergy energy;
   for (const double work : c.elements.strain_work) energy.strain += work;
   for (const double work : c.elements.hourglass_work) energy.hourglass += work;
+  energy.eroded = c.eroded_energy;
   for (const NodeSums& sums : c.nodes.sums) {
     energy.kinetic += sums.kinetic;
     energy.external_work += sums.external_work - 0.5 * sums.last_external_work;
@@ -362,8 +375,8 @@ void Carpet::stop() {
   }
   // What these velocities have done since the last forces must not be lost: the elements have yet to see it.
   c.settle_elements();
-  v.assign(c.nodes.size(), 0.0);
-  w.assign(c.nodes.size(), 0.0);
+  v.assign(v.size(), 0.0);
+  w.assign(w.size(), 0.0);
   c.from_rest = true;
 }
 
@@ -379,6 +392,14 @@ Vec3 Carpet::impulse_to_clamps() const {
   for (const NodeSums& sums : impl_->nodes.sums)
     sum += Vec3(sums.impulse_to_clamps[0], sums.impulse_to_clamps[1], sums.impulse_to_clamps[2]);
   return sum;
+}
+
+std::span<const std::uint8_t> Carpet::eroded() const {
+  return impl_->elements.eroded;
+}
+
+std::size_t Carpet::eroded_count() const {
+  return impl_->elements.eroded_count;
 }
 
 std::uint64_t Carpet::element_steps() const {

@@ -56,6 +56,7 @@ struct CarpetEnergy {
   double hourglass = 0;          ///< work of hourglass resistance and of the drilling penalty
   double gravity_potential = 0;  ///< relative to z = 0
   double damping = 0;            ///< dissipated by mass-proportional damping
+  double eroded = 0;             ///< had gone into elements until they failed
   double external_work = 0;      ///< work of the loads given to step()
 };
 
@@ -92,6 +93,9 @@ class Carpet {
   /// Takes all velocities away and books their energy as damping. The ledger is open by the work of half a
   /// step afterwards: loads and inner forces of the step before count only half for it.
   void stop();
+  /// Per element: whether it has failed (erosion.h). Empty when no material can.
+  [[nodiscard]] std::span<const std::uint8_t> eroded() const;
+  [[nodiscard]] std::size_t eroded_count() const;
   /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
   [[nodiscard]] Vec3 impulse_received() const;
   [[nodiscard]] Vec3 impulse_to_clamps() const;

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "fe_carpet/carpet_impl.h"
+#include "fe_carpet/erosion.h"
 
 namespace tuft::fe {
 namespace {
@@ -94,6 +95,16 @@ void restore(const std::vector<double>& flat, std::vector<NodeSums>& sums) {
   }
 }
 
+void restore_eroded(const std::vector<double>& eroded, ElementArrays& elements, Index first_spare_node) {
+  elements.eroded_count = 0;
+  for (std::size_t e = 0; e < eroded.size(); ++e) {
+    elements.eroded[e] = eroded[e] != 0;
+    if (!elements.eroded[e]) continue;
+    ++elements.eroded_count;
+    empty_slot(elements, static_cast<std::size_t>(elements.slot[e]), first_spare_node);
+  }
+}
+
 }  // namespace
 
 void Carpet::save(h5::Group& group) const {
@@ -105,6 +116,9 @@ void Carpet::save(h5::Group& group) const {
   group.write("strain_work", c.elements.strain_work);
   group.write("hourglass_work", c.elements.hourglass_work);
   group.write("node_sums", flatten(c.nodes.sums), {c.nodes.sums.size(), sums_width});
+  const std::vector<double> eroded(c.elements.eroded.begin(), c.elements.eroded.end());
+  group.write("eroded", eroded);
+  group.write_scalar("eroded_energy", c.eroded_energy);
   group.write_scalar("last_step", c.last_step);
   group.write_scalar("time", c.time);
   group.write_scalar("damping", c.options.damping);
@@ -114,25 +128,29 @@ void Carpet::save(h5::Group& group) const {
 
 void Carpet::load(const h5::Group& group) {
   Impl& c = *impl_;
-  const std::size_t count = c.nodes.size();
+  const std::size_t stored = c.nodes.motion.position.size();
   // All is read before anything is changed: a checkpoint that does not fit leaves the carpet as it was.
-  Vec3Array position = read_vectors(group, "position", count),
-            velocity = read_vectors(group, "velocity", count);
-  Vec3Array angular_velocity = read_vectors(group, "angular_velocity", count);
+  Vec3Array position = read_vectors(group, "position", stored),
+            velocity = read_vectors(group, "velocity", stored);
+  Vec3Array angular_velocity = read_vectors(group, "angular_velocity", stored);
   const std::vector<double> state = read_sized(group, "element_state", state_size(c.elements));
   const std::vector<double> sums = read_sized(group, "node_sums", c.nodes.sums.size() * sums_width);
   const std::vector<double> strain_work = group.read_doubles("strain_work");
   const std::vector<double> hourglass_work = group.read_doubles("hourglass_work");
+  const std::vector<double> eroded = read_sized(group, "eroded", c.elements.eroded.size());
+  const double eroded_energy = group.read_double("eroded_energy");
   const double last_step = group.read_double("last_step"), time = group.read_double("time");
   const double damping = group.read_double("damping");
   const std::uint64_t steps = group.read_count("steps");
   const bool from_rest = group.read_count("from_rest") != 0;
 
   c.nodes.motion = {std::move(position), std::move(velocity), std::move(angular_velocity)};
+  restore_eroded(eroded, c.elements, static_cast<Index>(c.nodes.size()));
   pack_state(state, c.elements);
   restore(sums, c.nodes.sums);
   restore_block_sums(strain_work, c.elements.strain_work);
   restore_block_sums(hourglass_work, c.elements.hourglass_work);
+  c.eroded_energy = eroded_energy;
   c.last_step = last_step;
   c.time = time;
   c.options.damping = damping;

@@ -30,6 +30,7 @@ struct Carpet::Impl {
   double initial_stable_step = 0;         ///< s
   double last_step = 0;                   ///< s, length of the step that led to the present positions
   double time = 0;                        ///< s
+  double eroded_energy = 0;               ///< J, work that had gone into elements until they failed
   bool from_rest = false;                 ///< stopped since the last step
   std::uint64_t steps = 0;
 };

@@ -1,6 +1,7 @@
 #include "fe_carpet/element_arrays.h"
 
 #include "core/error.h"
+#include "fe_carpet/erosion.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe {
@@ -97,6 +98,7 @@ ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<Shell
     ElementFamily family;
     family.section = m < options.sections.size() ? options.sections[m] : options.section;
     family.law = make_law(materials[m]);
+    family.failure_strain = materials[m].failure_strain;
     choose_element_function(family);
     arrays.family.push_back(std::move(family));
   }
@@ -118,6 +120,15 @@ ElementArrays make_element_arrays(const ShellMesh& mesh, const std::vector<Shell
   arrays.strain_work.assign(arrays.block.size(), 0.0);
   arrays.hourglass_work.assign(arrays.block.size(), 0.0);
   arrays.uprightness.assign(arrays.block.size(), 1.0);
+  if (can_fail(arrays)) {
+    arrays.failing.assign(arrays.block.size(), 0);
+    arrays.failed.assign(slots, 0);
+    arrays.last_half_work.assign(slots, 0.0);
+    arrays.eroded.assign(arrays.element_count, 0);
+    // Padding copies an element that may go and leave its nodes anywhere.
+    for (std::size_t slot = 0; slot < slots; ++slot)
+      if (arrays.element[slot] < 0) empty_slot(arrays, slot, static_cast<Index>(mesh.nodes.size()));
+  }
   return arrays;
 }
 

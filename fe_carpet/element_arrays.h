@@ -46,7 +46,10 @@ struct ElementFamily {
   ShellSection section;
   SectionLaw law;
   ElementFunction update = nullptr;
-  std::size_t rows = 0;  ///< values of state per element
+  std::size_t rows = 0;       ///< values of state per element
+  double failure_strain = 0;  ///< > 0: elements fail, and the last failure_rows() rows follow their strain
+  std::size_t failure_points = 0;  ///< points in the plane that are followed
+  [[nodiscard]] std::size_t failure_rows() const { return failure_points > 0 ? 2 + 6 * failure_points : 0; }
   std::size_t first_batch = 0, batch_count = 0;
   std::size_t first_state = 0;  ///< in ElementArrays::state, of the first batch
 };
@@ -71,6 +74,12 @@ struct ElementArrays {
   PackedDoubles forces;  ///< [batch][corner][component][lane], internal forces N and moments N m
   std::vector<double> strain_work, hourglass_work;  ///< J per block, since the start
   std::vector<double> uprightness;                  ///< per block, the smallest of the last update
+  /// Where something can fail, otherwise empty: per block, whether the last update failed an element; per
+  /// slot, whether it was this one, and half of the work of its forces over the step, J.
+  std::vector<std::uint8_t> failing, failed;
+  PackedDoubles last_half_work;
+  std::vector<std::uint8_t> eroded;  ///< per element of the mesh: taken out
+  std::size_t eroded_count = 0;
 
   [[nodiscard]] std::size_t state_of_batch(std::size_t batch) const {
     const ElementFamily& f = family[static_cast<std::size_t>(batch_family[batch])];
@@ -90,6 +99,12 @@ struct NodeMotion {
 [[nodiscard]] ElementArrays make_element_arrays(const ShellMesh& mesh,
                                                 const std::vector<ShellMaterial>& materials,
                                                 const CarpetOptions& options);
+
+[[nodiscard]] inline bool can_fail(const ElementArrays& elements) {
+  for (const ElementFamily& family : elements.family)
+    if (family.failure_points > 0) return true;
+  return false;
+}
 
 /// Chooses the update function and the number of rows for a family's section and law.
 void choose_element_function(ElementFamily& family);

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "fe_carpet/element_arrays.h"
+#include "fe_carpet/erosion.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe {
@@ -218,9 +219,33 @@ struct Works {
   Pack uprightness{1.0};  ///< smallest
 };
 
+/// Adds the works of a step to those of the batch's elements and marks those whose strain is too large. s:
+/// their forces at its end.
+void follow_failure(ElementArrays& elements, const ElementFamily& family, std::size_t batch,
+                    std::size_t block, const Works& before, const Works& after, const Pack& principal_strain,
+                    const ShellModes<Pack>& de, const ShellModes<Pack>& s) {
+  const StateRows rows =
+      StateRows(&elements.state[elements.state_of_batch(batch)]).from(family.rows - family.failure_rows());
+  rows.write(0, rows.read(0) + (after.strain - before.strain));
+  rows.write(1, rows.read(1) + (after.hourglass - before.hourglass));
+  const auto too_far = principal_strain > family.failure_strain;
+  if (stdx::none_of(too_far)) return;
+  store(&elements.last_half_work[batch * lanes], 0.5 * work(s, de));
+  for (std::size_t lane = 0; lane < lanes; ++lane)
+    if (too_far[lane] && elements.element[batch * lanes + lane] >= 0)
+      elements.failed[batch * lanes + lane] = elements.failing[block] = 1;
+}
+
+/// Rows of a followed point's strain, after the two of the works.
+StateRows strain_rows(const ElementFamily& family, const StateRows& rows, std::size_t point) {
+  return rows.from(family.rows - family.failure_rows() + 2 + 6 * point);
+}
+
 template <int Points, class Law>
 void update_one_point(ElementArrays& elements, const ElementFamily& family, const Law& law,
-                      const NodeMotion& nodes, double last_step, std::size_t batch, Works& works) {
+                      const NodeMotion& nodes, double last_step, std::size_t batch, std::size_t block,
+                      Works& works) {
+  const Works before = works;
   const BatchStep step = take_step(elements, nodes, last_step, batch);
   const ShellFrame<Pack>& f = step.middle;
   const ShellModes<Pack>& de = step.de;
@@ -262,6 +287,12 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   s.kxy = area * forces.moment.xy;
   s.shear_xi = shear_area * (step.end.xi_x * xz.stress + step.end.xi_y * yz.stress);
   s.shear_eta = shear_area * (step.end.eta_x * xz.stress + step.end.eta_y * yz.stress);
+  if (family.failure_points > 0) {
+    const Pack strain = advance_strain<Pack>(strain_rows(family, rows, 0),
+                                             {{de.exx, de.eyy, de.gxy}, {de.kxx, de.kyy, de.kxy}},
+                                             (0.5 * outermost_height<Points>()) * t);
+    follow_failure(elements, family, batch, block, before, works, strain, de, s);
+  }
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
 
@@ -270,9 +301,12 @@ FibrePair<Pack> fibres(const ShellFrame<Pack>& f, const Pack& nu) {
 }
 
 template <int Points, class Law>
-void update_full(ElementArrays& elements, const Law& law, const NodeMotion& nodes, double last_step,
-                 std::size_t batch, Works& works) {
+void update_full(ElementArrays& elements, const ElementFamily& family, const Law& law,
+                 const NodeMotion& nodes, double last_step, std::size_t batch, std::size_t block,
+                 Works& works) {
   constexpr double gauss = 0.57735026918962576;
+  const Works before_step = works;
+  Pack principal_strain(0.0);
   const BatchStep step = take_step(elements, nodes, last_step, batch);
   const Pack t = step.thickness, zero(0.0);
   const StateRows rows(&elements.state[elements.state_of_batch(batch)]);
@@ -301,7 +335,13 @@ void update_full(ElementArrays& elements, const Law& law, const NodeMotion& node
     const Pack thinned = t * section.stretch;
     add_point_forces(point_shape(step.end, xi, eta), after, section.forces, thinned * xz.stress,
                      thinned * yz.stress, xi, eta, s);
+    if (family.failure_points > 0)
+      principal_strain =
+          stdx::max(principal_strain, advance_strain<Pack>(strain_rows(family, rows, p), e.section,
+                                                           (0.5 * outermost_height<Points>()) * t));
   }
+  if (family.failure_points > 0)
+    follow_failure(elements, family, batch, block, before_step, works, principal_strain, step.de, s);
   works.uprightness = stdx::min(works.uprightness, uprightness(step.middle, step.end));
   store(&elements.thickness[batch * lanes], t * stretch);
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
@@ -315,9 +355,9 @@ void update_batches(ElementArrays& elements, const ElementFamily& family, const 
   for (std::size_t batch = first; batch < last; ++batch) {
     const auto& of_batch = law_of_batch(family, law, batch);
     if constexpr (Kind == ElementKind::one_point)
-      update_one_point<Points>(elements, family, of_batch, nodes, last_step, batch, works);
+      update_one_point<Points>(elements, family, of_batch, nodes, last_step, batch, block, works);
     else
-      update_full<Points>(elements, of_batch, nodes, last_step, batch, works);
+      update_full<Points>(elements, family, of_batch, nodes, last_step, batch, block, works);
   }
   elements.strain_work[block] += sum_lanes(works.strain);
   elements.hourglass_work[block] += sum_lanes(works.hourglass);
@@ -334,6 +374,9 @@ void choose(ElementFamily& family, const Law& law) {
     family.update = update_batches<ElementKind::fully_integrated, Points, Law>;
     family.rows = drilling_rows + 4 * point_rows;
   }
+  if (family.failure_strain > 0)
+    family.failure_points = family.section.element == ElementKind::one_point ? 1 : 4;
+  family.rows += family.failure_rows();
 }
 
 }  // namespace

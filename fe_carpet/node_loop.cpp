@@ -9,8 +9,11 @@ NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements
   NodeArrays nodes;
   const std::size_t count = mesh.nodes.size();
   nodes.motion.position = mesh.nodes;
-  nodes.motion.velocity.assign(count, 0.0);
-  nodes.motion.angular_velocity.assign(count, 0.0);
+  if (can_fail(elements))  // a square for slots that are empty (erosion.h)
+    for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)})
+      nodes.motion.position.push_back(corner);
+  nodes.motion.velocity.assign(nodes.motion.position.size(), 0.0);
+  nodes.motion.angular_velocity.assign(nodes.motion.position.size(), 0.0);
   nodes.clamped = mesh.clamped;
   nodes.mass.assign(count, 0.0);
   nodes.inertia.assign(count, 0.0);
