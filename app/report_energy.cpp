@@ -32,6 +32,7 @@ const std::vector<Term>& terms() {
                                      {"contact_elastic", "contact, elastic", "e8"},
                                      {"gravity_potential", "gravity", "e9"},
                                      {"hourglass", "hourglass", "e10"},
+                                     {"eroded", "failed shells", "e13"},
                                      {"damping", "mass damping", "e11"},
                                      {"external_work", "external work", "e12"}};
   return all;

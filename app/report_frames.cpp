@@ -101,12 +101,14 @@ void read_facets(const h5::Group& carpet, std::size_t frame, double slice, Secti
   const std::vector<std::int32_t> quads = carpet.read_ints("quads");
   const std::vector<std::int32_t> surface = carpet.read_ints("surface");
   section.facet_slice = slice;
+  const std::vector<double> eroded =
+      carpet.has("eroded") ? read_row(carpet, "eroded", frame) : std::vector<double>(surface.size(), 0.0);
   std::map<Edge, int> uses;
   for (std::size_t q = 0; q < surface.size(); ++q)
-    for (std::size_t c = 0; c < 4; ++c) ++uses[edge_of(quads, surface[q], q, c)];
+    for (std::size_t c = 0; c < 4 && eroded[q] == 0; ++c) ++uses[edge_of(quads, surface[q], q, c)];
   const std::vector<bool> chosen = choose_facets(position, quads, surface, section.missile.y, slice);
   for (std::size_t q = 0; q < surface.size(); ++q) {
-    if (!chosen[q]) continue;
+    if (!chosen[q] || eroded[q] != 0) continue;
     Facet facet{{}, {}, surface[q] == 0};
     for (std::size_t c = 0; c < 4; ++c) {
       const std::size_t node = static_cast<std::size_t>(quads[4 * q + c]);

@@ -146,9 +146,10 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
     parts.infill = std::move(dem);
   }
   const std::size_t nodes = mesh.nodes.size();
-  parts.carpet = std::make_unique<fe::Carpet>(
-      std::move(mesh), std::vector<ShellMaterial>{scene.turf.carpet.backing, scene.turf.carpet.fibre},
-      options);
+  ShellMaterial backing = scene.turf.carpet.backing, fibre = scene.turf.carpet.fibre;
+  if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
+  parts.carpet =
+      std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre}, options);
   parts.bodies = tray(scene.turf.size);
   built.first_rig_body = parts.bodies.size();
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());

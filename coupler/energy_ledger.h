@@ -17,6 +17,7 @@ struct EnergyTerms {
   double kinetic_bodies = 0;
   double strain_carpet = 0;
   double hourglass = 0;          ///< work of hourglass resistance in the shells
+  double eroded = 0;             ///< had gone into shells until they failed
   double stored_infill = 0;      ///< elastic in the infill
   double dissipated_infill = 0;  ///< plastic, frictional and viscous inside the infill
   double contact_elastic = 0;    ///< penalty and friction springs
@@ -26,15 +27,15 @@ struct EnergyTerms {
   double damping = 0;            ///< taken out by mass-proportional damping
   double external_work = 0;      ///< put in: released overlap, bodies set in motion, driven bodies
 
-  static constexpr std::size_t count = 13;
+  static constexpr std::size_t count = 14;
   static constexpr std::array<std::string_view, count> names{
-      "kinetic_carpet",    "kinetic_infill",    "kinetic_bodies",  "strain_carpet",   "hourglass",
-      "stored_infill",     "dissipated_infill", "contact_elastic", "contact_damping", "contact_friction",
-      "gravity_potential", "damping",           "external_work"};
+      "kinetic_carpet",   "kinetic_infill",    "kinetic_bodies",    "strain_carpet",   "hourglass",
+      "eroded",           "stored_infill",     "dissipated_infill", "contact_elastic", "contact_damping",
+      "contact_friction", "gravity_potential", "damping",           "external_work"};
   [[nodiscard]] std::array<double, count> values() const {
-    return {kinetic_carpet,    kinetic_infill,    kinetic_bodies,  strain_carpet,   hourglass,
-            stored_infill,     dissipated_infill, contact_elastic, contact_damping, contact_friction,
-            gravity_potential, damping,           external_work};
+    return {kinetic_carpet,   kinetic_infill,    kinetic_bodies,    strain_carpet,   hourglass,
+            eroded,           stored_infill,     dissipated_infill, contact_elastic, contact_damping,
+            contact_friction, gravity_potential, damping,           external_work};
   }
   [[nodiscard]] double balance() const {
     double sum = 0;

@@ -35,6 +35,11 @@ struct ParticleShellSettings {
   return corner;
 }
 
+/// Edges c to c+1 of each element that no second element of the same surface shares. eroded: elements that
+/// are no longer there, or empty.
+[[nodiscard]] std::vector<std::array<bool, 4>> find_outer_edges(const fe::ShellMesh& mesh,
+                                                                std::span<const std::uint8_t> eroded);
+
 /// Positions and velocities of the shell's nodes are read, forces on them added.
 class ParticleShellContact {
  public:
@@ -50,6 +55,13 @@ class ParticleShellContact {
   /// last substep.
   void evaluate(const ParticleView& particles, double ahead, const fe::NodeView& nodes, double dt,
                 double release, double release_before, Vec3Array& node_force, ContactImpulses& impulses);
+
+  /// Takes elements out that failed (one value an element of the mesh): what touched them touches what is
+  /// left. The energy of their springs is booked as lost, in damping and friction.
+  void leave_out(std::span<const std::uint8_t> eroded, const ParticleView& particles,
+                 const fe::NodeView& nodes, double release);
+  /// The same without any pairs yet, after load.
+  void leave_out(std::span<const std::uint8_t> eroded);
 
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
@@ -100,6 +112,9 @@ class ParticleShellContact {
   [[nodiscard]] ContactKinematics kinematics_of(Index particle, const Moment& now, double radius,
                                                 const SoftOverlap& overlap) const;
   [[nodiscard]] double stiffness(Index particle, double radius, Index element) const;
+  /// Energy of a pair's normal spring where everything is now, J.
+  [[nodiscard]] double stored_normal(std::size_t pair, const ParticleView& particles,
+                                     const fe::NodeView& nodes, double release) const;
   /// Farthest that any particle and any node can have closed in on each other since the last call, added up.
   void advance_travel(const Moment& now);
   void record_initial_overlap(const ParticleView& particles, const fe::NodeView& nodes);
@@ -113,6 +128,7 @@ class ParticleShellContact {
   std::vector<double> element_area_;       ///< m^2, as built
   std::vector<std::array<bool, 4>>
       outer_edge_;  ///< per element: edge c to c+1 belongs to this element of its surface alone
+  std::vector<std::uint8_t> eroded_;  ///< per element, or empty
   std::vector<double> node_mass_;
   ParticleShellSettings settings_;
 

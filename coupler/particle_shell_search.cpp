@@ -19,27 +19,27 @@ struct Candidate {
   }
 };
 
-/// Edges that no second element of the same surface shares.
-std::vector<std::array<bool, 4>> find_outer_edges(const fe::ShellMesh& mesh) {
+}  // namespace
+
+std::vector<std::array<bool, 4>> find_outer_edges(const fe::ShellMesh& mesh,
+                                                  std::span<const std::uint8_t> eroded) {
   std::map<std::tuple<Index, Index, Index>, int> users;
   const auto edge = [&](std::size_t e, int c) {
     const Index a = mesh.quads[e][c], b = mesh.quads[e][(c + 1) % 4];
     return std::make_tuple(mesh.surface[e], std::min(a, b), std::max(a, b));
   };
   for (std::size_t e = 0; e < mesh.quads.size(); ++e)
-    for (int c = 0; c < 4; ++c) ++users[edge(e, c)];
+    for (int c = 0; c < 4 && (eroded.empty() || !eroded[e]); ++c) ++users[edge(e, c)];
   std::vector<std::array<bool, 4>> outer(mesh.quads.size());
   for (std::size_t e = 0; e < mesh.quads.size(); ++e)
     for (int c = 0; c < 4; ++c) outer[e][c] = users[edge(e, c)] == 1;
   return outer;
 }
 
-}  // namespace
-
 ParticleShellContact::ParticleShellContact(const fe::ShellMesh& mesh, std::span<const double> node_stiffness,
                                            std::span<const double> node_mass, ParticleShellSettings settings)
     : mesh_(mesh),
-      outer_edge_(find_outer_edges(mesh)),
+      outer_edge_(find_outer_edges(mesh, {})),
       node_mass_(node_mass.begin(), node_mass.end()),
       settings_(std::move(settings)) {
   element_stiffness_.reserve(mesh.quads.size());
@@ -67,6 +67,7 @@ void ParticleShellContact::search(const ParticleView& particles, const fe::NodeV
     auto& mine = found[static_cast<std::size_t>(omp_get_thread_num())];
 #pragma omp for schedule(static)
     for (std::size_t e = 0; e < elements; ++e) {
+      if (!eroded_.empty() && eroded_[e]) continue;
       const auto corner = facet_corners(nodes, mesh_.quads[e]);
       const double thin = 0.5 * mesh_.thickness[e] + skin;
       const Vec3 low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2].cwiseMin(corner[3]));

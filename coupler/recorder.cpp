@@ -37,6 +37,8 @@ std::vector<Channel> declare_channels(const Simulation& simulation,
   for (const auto& field : simulation.infill().fields())
     channels.push_back({"/frames/infill/" + field.name, field.unit, {particles}, true});
   channels.push_back({"/frames/carpet/position", "m", {nodes, 3}, true});
+  if (const std::uint64_t shells = simulation.carpet().eroded().size(); shells > 0)
+    channels.push_back({"/frames/carpet/eroded", "1", {shells}, true});
   for (const RigidBody& body : simulation.bodies())
     if (!body.is_fixed()) channels.push_back({"/frames/bodies/" + body.name + "/position", "m", {3}, false});
   return channels;
@@ -109,6 +111,8 @@ void Recorder::record_frame(double time, const Simulation& simulation) {
     file_.append("/frames/infill/" + field.name, field.values);
   const fe::NodeView n = simulation.carpet().nodes();
   file_.append("/frames/carpet/position", interleave(n.x, n.y, n.z));
+  if (const auto eroded = simulation.carpet().eroded(); !eroded.empty())
+    file_.append("/frames/carpet/eroded", std::vector<double>(eroded.begin(), eroded.end()));
   for (const RigidBody& body : simulation.bodies())
     if (!body.is_fixed())
       file_.append("/frames/bodies/" + body.name + "/position",

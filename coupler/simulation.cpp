@@ -238,8 +238,16 @@ void Simulation::step_carpet() {
                             node_force_, nullptr, body_impulses_);
     }
     if (carpet_frozen_) continue;
-    const ScopedPhase phase(timers_, Phase::carpet);
-    parts_.carpet->step(dt, node_force_);
+    {
+      const ScopedPhase phase(timers_, Phase::carpet);
+      parts_.carpet->step(dt, node_force_);
+    }
+    if (parts_.carpet->eroded_count() != eroded_) {
+      const ScopedPhase phase(timers_, Phase::contact);
+      eroded_ = parts_.carpet->eroded_count();
+      particle_shell_.leave_out(parts_.carpet->eroded(), contact_view(), parts_.carpet->nodes(),
+                                release_at(now));
+    }
   }
 }
 
@@ -317,7 +325,7 @@ ParticleView Simulation::node_points(const fe::NodeView& nodes) const {
 
 double Simulation::carpet_balance() const {
   const fe::CarpetEnergy e = parts_.carpet->energy();
-  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping - e.external_work;
+  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping + e.eroded - e.external_work;
 }
 
 double Simulation::infill_balance() const {
@@ -345,6 +353,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.kinetic_bodies = body_kinetic_;
   terms.strain_carpet = carpet.strain;
   terms.hourglass = carpet.hourglass;
+  terms.eroded = carpet.eroded;
   terms.stored_infill = infill.stored;
   terms.dissipated_infill = infill.dissipated;
   terms.contact_elastic = contact.elastic;

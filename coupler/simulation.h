@@ -125,6 +125,7 @@ class Simulation {
     bool valid = false;
   } reference_;
 
+  std::size_t eroded_ = 0;  ///< elements of the carpet that contact knows to have failed
   bool carpet_frozen_ = false;
   Vec3 infill_acceleration_{0, 0, 0};
   double time_ = 0, start_time_ = 0;

@@ -140,6 +140,8 @@ void Simulation::load(const h5::Group& group) {
   parts_.carpet->load(group.open_group("carpet"));
   parts_.infill->load(group.open_group("infill"));
   particle_shell_.load(group.open_group("particle_shell"));
+  eroded_ = parts_.carpet->eroded_count();
+  if (eroded_ > 0) particle_shell_.leave_out(parts_.carpet->eroded());
   particle_body_.load(group.open_group("particle_body"));
   node_body_.load(group.open_group("node_body"));
   ledger_.load(group.open_group("ledger"));

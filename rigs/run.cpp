@@ -260,6 +260,8 @@ void Runner::measure() {
   notes["window"] = {plan.window, "s"};
   notes["carpet_step"] = {plan.window / plan.carpet_substeps, "s"};
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
+  if (!simulation.carpet().eroded().empty())
+    notes["eroded_shells"] = {static_cast<double>(simulation.carpet().eroded_count()), "1"};
   notes["contact_searches"] = {static_cast<double>(simulation.searches()), "1"};
   notes["contact_pairs_particle_shell"] = {static_cast<double>(simulation.particle_shell().pair_count()),
                                            "1"};

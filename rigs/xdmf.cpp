@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <optional>
+#include <string_view>
 
 #include "core/error.h"
 #include "core/hdf5_file.h"
@@ -43,11 +45,12 @@ std::string frame_item(const std::string& file, const std::string& path, const S
       data_item(file, path, shape, false));
 }
 
-std::string attribute(const std::string& name, bool vector, const std::string& item) {
+std::string attribute(const std::string& name, bool vector, const std::string& item,
+                      std::string_view centre = "Node") {
   return fmt::format(
-      "        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n          {}\n        "
+      "        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">\n          {}\n        "
       "</Attribute>\n",
-      name, vector ? "Vector" : "Scalar", item);
+      name, vector ? "Vector" : "Scalar", centre, item);
 }
 
 /// What a moving set of points holds: fields that change [F, N] or [F, N, 3], and fields that do not [N].
@@ -56,6 +59,7 @@ struct Part {
   Shape position;  ///< [F, N, 3]
   std::vector<std::pair<std::string, Shape>> moving;
   std::vector<std::pair<std::string, Shape>> fixed_nodal;
+  std::optional<Shape> eroded;  ///< [F, cells]: shells that failed
 };
 
 bool is_integer_field(const std::string& name) {
@@ -63,12 +67,12 @@ bool is_integer_field(const std::string& name) {
 }
 
 Part find_part(const h5::Group& frames, const std::string& name) {
-  Part part{name, "/frames/" + name, {}, {}, {}, {}};
+  Part part{name, "/frames/" + name, {}, {}, {}, {}, {}};
   const h5::Group group = frames.open_group(name);
   part.position = group.shape("position");
   const std::uint64_t points = part.position.at(1);
   for (const std::string& member : group.names()) {
-    if (member == "position") continue;
+    if (member == "position" || member == "eroded") continue;
     const Shape shape = group.shape(member);
     const bool moves = shape.size() >= 2 && shape[0] == part.position[0] && shape[1] == points;
     if (moves && (shape.size() == 2 || shape[2] == 3)) part.moving.emplace_back(member, shape);
@@ -86,6 +90,8 @@ std::string grid(const std::string& file, const Part& part, std::uint64_t frame)
     text += attribute(name, shape.size() == 3, frame_item(file, part.path + "/" + name, shape, frame));
   for (const auto& [name, shape] : part.fixed_nodal)
     text += attribute(name, false, data_item(file, part.path + "/" + name, shape, is_integer_field(name)));
+  if (part.eroded)
+    text += attribute("eroded", false, frame_item(file, part.path + "/eroded", *part.eroded, frame), "Cell");
   return text + "      </Grid>\n";
 }
 
@@ -96,6 +102,7 @@ std::uint64_t whole_frames(const std::vector<Part>& parts, std::size_t times) {
   for (const Part& part : parts) {
     frames = std::min(frames, part.position[0]);
     for (const auto& [name, shape] : part.moving) frames = std::min(frames, shape[0]);
+    if (part.eroded) frames = std::min(frames, part.eroded->at(0));
   }
   return frames;
 }
@@ -111,6 +118,7 @@ Part infill_part(const h5::Group& frames) {
 Part carpet_part(const h5::Group& frames, const std::string& file) {
   Part part = find_part(frames, "carpet");
   const h5::Group group = frames.open_group("carpet");
+  if (group.has("eroded")) part.eroded = group.shape("eroded");
   const Shape quads = group.shape("quads");
   part.topology = fmt::format(
       "        <Topology TopologyType=\"Quadrilateral\" NumberOfElements=\"{}\">\n          {}\n"

@@ -139,9 +139,10 @@ std::vector<Channel> channels_of(std::size_t particles, std::size_t nodes, bool 
                                 {"/frames/infill/velocity", "m/s", {particles, 3}, true},
                                 {"/frames/carpet/position", "m", {nodes, 3}, true},
                                 {"/frames/bodies/missile/position", "m", {3}, true}};
-  for (const char* term : {"kinetic_carpet", "kinetic_infill", "kinetic_bodies", "strain_carpet", "hourglass",
-                           "stored_infill", "dissipated_infill", "contact_elastic", "contact_damping",
-                           "contact_friction", "gravity_potential", "damping", "external_work"})
+  for (const char* term :
+       {"kinetic_carpet", "kinetic_infill", "kinetic_bodies", "strain_carpet", "hourglass", "eroded",
+        "stored_infill", "dissipated_infill", "contact_elastic", "contact_damping", "contact_friction",
+        "gravity_potential", "damping", "external_work"})
     channels.push_back({std::string("/energy/") + term, "J", {}, false});
   channels.push_back({"/energy/error", "1", {}, false});
   if (sph) channels.push_back({"/frames/infill/pressure", "Pa", {particles}, true});

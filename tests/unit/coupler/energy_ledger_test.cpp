@@ -47,11 +47,11 @@ TEST(EnergyLedger, EveryTermCounts) {
     EnergyLedger ledger(0.5, 10);
     ledger.enter(0, base, "");
     EnergyTerms changed;
-    double* const all[] = {&changed.kinetic_carpet,    &changed.kinetic_infill,    &changed.kinetic_bodies,
-                           &changed.strain_carpet,     &changed.hourglass,         &changed.stored_infill,
-                           &changed.dissipated_infill, &changed.contact_elastic,   &changed.contact_damping,
-                           &changed.contact_friction,  &changed.gravity_potential, &changed.damping,
-                           &changed.external_work};
+    double* const all[] = {&changed.kinetic_carpet,  &changed.kinetic_infill,    &changed.kinetic_bodies,
+                           &changed.strain_carpet,   &changed.hourglass,         &changed.eroded,
+                           &changed.stored_infill,   &changed.dissipated_infill, &changed.contact_elastic,
+                           &changed.contact_damping, &changed.contact_friction,  &changed.gravity_potential,
+                           &changed.damping,         &changed.external_work};
     *all[i] = 1;
     ledger.enter(1, changed, "");
     EXPECT_NEAR(ledger.error(), i + 1 == EnergyTerms::count ? -0.1 : 0.1, 1e-15) << EnergyTerms::names[i];
