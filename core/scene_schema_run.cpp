@@ -76,8 +76,12 @@ void describe_effects(KeyVisitor& keys, Effects& effects) {
 
 void describe_numerics(KeyVisitor& keys, Numerics& numerics) {
   keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
-  keys.quantity({"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
-                numerics.coupling_window, "s", non_negative);
+  keys.number({"mass_scaling_limit",
+               "share of the carpet's mass that may be added to the shells that bound its step"},
+              numerics.mass_scaling_limit, {0, 1, false, true});
+  keys.quantity(
+      {"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
+      numerics.coupling_window, "s", non_negative);
   keys.number({"energy_error_limit", "relative energy error that stops the run"}, numerics.energy_error_limit,
               positive);
   keys.quantity({"contact_pressure", "highest expected: sets the contact stiffness of the continuum"},

@@ -111,6 +111,15 @@ fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres) {
   return fe::generate_carpet(scene.turf.carpet, scene.turf.size, scene.numerics.seed, with_fibres);
 }
 
+fe::CarpetOptions carpet_options(const Scene& scene) {
+  fe::CarpetOptions options;
+  options.sections = {scene.turf.carpet.backing_section, scene.turf.carpet.fibre_section};
+  options.damping = scene.turf.carpet.damping;
+  options.gravity = gravity;
+  options.mass_scaling_limit = scene.numerics.mass_scaling_limit;
+  return options;
+}
+
 std::vector<std::string> carpet_mesh_notes(const Scene& scene) {
   if (scene.turf.carpet.mesh.file.empty()) return {};
   return fe::import_carpet(scene.turf.carpet, scene.turf.size, true).notes;
@@ -122,10 +131,6 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   SimulationParts parts;
   fe::ShellMesh mesh = build_carpet_mesh(scene, effect_on(request.effects, "fibres"));
   parts.node_radius = node_radii(mesh);
-  fe::CarpetOptions options;
-  options.sections = {scene.turf.carpet.backing_section, scene.turf.carpet.fibre_section};
-  options.damping = scene.turf.carpet.damping;
-  options.gravity = gravity;
 
   if (scene.infill.approach == Approach::sph) {
     parts.infill = build_sph(scene, request.effects);
@@ -148,8 +153,8 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   const std::size_t nodes = mesh.nodes.size();
   ShellMaterial backing = scene.turf.carpet.backing, fibre = scene.turf.carpet.fibre;
   if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
-  parts.carpet =
-      std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre}, options);
+  parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
+                                              carpet_options(scene));
   parts.bodies = tray(scene.turf.size);
   built.first_rig_body = parts.bodies.size();
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());

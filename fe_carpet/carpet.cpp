@@ -102,6 +102,8 @@ void check_options(const CarpetOptions& options) {
   for (const ShellSection& section : options.sections) check_section(section);
   check_damping(options.damping);
   if (!options.gravity.allFinite()) throw_input_error("carpet: gravity is not finite");
+  if (!(options.mass_scaling_limit >= 0 && options.mass_scaling_limit < 1))
+    throw_input_error("carpet: mass_scaling_limit is {}; it must be in [0, 1)", options.mass_scaling_limit);
 }
 
 /// Per node the sum over its elements of (m_e / 4) / dt_e^2, with dt_e = 2 / frequency bound of the element.
@@ -140,6 +142,7 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
       materials(std::move(materials_in)),
       options(options_in),
       elements(make_element_arrays(mesh, materials, options)),
+      mass_scaling(scale_masses(elements, mesh.nodes, options.mass_scaling_limit)),
       nodes(make_node_arrays(mesh, elements)),
       contact_stiffness(contact_stiffness_of_nodes(elements, mesh)) {
   for (std::size_t m = 0; m < materials.size(); ++m)
@@ -307,6 +310,10 @@ double Carpet::stable_step() const {
   return largest > 0 ? 2 / std::sqrt(largest) : impl_->initial_stable_step;  // 0: all elements are gone
 }
 
+const MassScaling& Carpet::mass_scaling() const {
+  return impl_->mass_scaling;
+}
+
 std::span<const double> Carpet::node_contact_stiffness() const {
   return impl_->contact_stiffness;
 }
@@ -351,7 +358,7 @@ CarpetEnergy Carpet::energy() const {
   for (std::size_t n = 0; n < c.nodes.size(); ++n) {
     const Vec3 velocity = c.nodes.motion.velocity[n],
                at_forces = c.nodes.motion.position[n] - c.last_step * velocity;
-    energy.gravity_potential -= c.nodes.mass[n] * c.options.gravity.dot(at_forces);
+    energy.gravity_potential -= c.nodes.true_mass_of()[n] * c.options.gravity.dot(at_forces);
     if (c.steps == 0)
       energy.kinetic += 0.5 * c.nodes.mass[n] * velocity.squaredNorm() +
                         0.5 * c.nodes.inertia[n] * c.nodes.motion.angular_velocity[n].squaredNorm();

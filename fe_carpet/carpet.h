@@ -9,6 +9,7 @@
 #include "core/hdf5_file.h"
 #include "core/scene.h"
 #include "core/vector.h"
+#include "fe_carpet/mass_scaling.h"
 
 namespace tuft::fe {
 
@@ -47,6 +48,9 @@ struct CarpetOptions {
   Vec3 gravity{0, 0, -9.81};                ///< m/s^2
   ShellSection section;                     ///< of all materials but those in
   std::vector<ShellSection> sections = {};  ///< per material of the mesh, or empty
+  /// [0, 1), share of the carpet's mass that may be added to the elements that bound the step; 0: off. Weight
+  /// stays the true one.
+  double mass_scaling_limit = 0;
 };
 
 /// Energies, J, as of the last force evaluation with kinetic energy centred there (see core/infill.h).
@@ -63,7 +67,7 @@ struct CarpetEnergy {
 /// Nodes: positions at t, translational velocity half a step before.
 struct NodeView {
   std::span<const double> x, y, z, vx, vy, vz;
-  std::span<const double> mass;  ///< kg, translational
+  std::span<const double> mass;  ///< kg, translational, what mass scaling has added included
   std::span<const std::uint8_t> clamped;
 };
 
@@ -79,8 +83,11 @@ class Carpet {
   [[nodiscard]] NodeView nodes() const;
   /// Largest stable step of the shells alone, s, without safety factor.
   [[nodiscard]] double stable_step() const;
+  /// What mass scaling added to the carpet as built and the step it gained; all zero when it is off.
+  [[nodiscard]] const MassScaling& mass_scaling() const;
   /// Membrane stiffness of each node's surroundings, N/m: m / dt_crit^2 with the element's own critical step,
-  /// the material bound below which a contact spring on the node cannot govern the step. One value a node.
+  /// the material bound below which a contact spring on the node cannot govern the step. One value a
+  /// node. Mass scaling leaves it as it is: contact must not stiffen because mass was added.
   [[nodiscard]] std::span<const double> node_contact_stiffness() const;
   /// One central-difference step. `force` (N, one per node) acts over the step; clamped nodes do not move and
   /// the reaction to their load is not reported. Throws RunError naming element or node on non-finite values.

@@ -24,6 +24,7 @@ struct Carpet::Impl {
   std::vector<ShellMaterial> materials;
   CarpetOptions options;
   ElementArrays elements;
+  MassScaling mass_scaling;
   NodeArrays nodes;
   std::vector<double> contact_stiffness;  ///< N/m per node
   double wave_speed = 0;                  ///< m/s, largest of the materials

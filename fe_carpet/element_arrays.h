@@ -70,8 +70,9 @@ struct ElementArrays {
   std::array<std::vector<Index>, 4> node;  ///< per slot
   std::vector<Index> batch_family;
   PackedDoubles thickness, mass, inertia_ratio;  ///< per slot: m; kg, 0 for padding; m^2
-  PackedDoubles state;                           ///< [batch][row][lane], rows of the family
-  PackedDoubles forces;  ///< [batch][corner][component][lane], internal forces N and moments N m
+  PackedDoubles true_mass;  ///< kg per slot before mass scaling; empty when none was added
+  PackedDoubles state;      ///< [batch][row][lane], rows of the family
+  PackedDoubles forces;     ///< [batch][corner][component][lane], internal forces N and moments N m
   std::vector<double> strain_work, hourglass_work;  ///< J per block, since the start
   std::vector<double> uprightness;                  ///< per block, the smallest of the last update
   /// Where something can fail, otherwise empty: per block, whether the last update failed an element; per

@@ -23,8 +23,12 @@ struct NodeSums {
 
 struct NodeArrays {
   NodeMotion motion;
-  std::vector<double> mass, inertia;                  ///< kg, kg m^2
-  std::vector<double> free;                           ///< 1, or 0 for clamped nodes
+  std::vector<double> mass, inertia;  ///< kg, kg m^2
+  std::vector<double> free;           ///< 1, or 0 for clamped nodes
+  /// With mass scaling only, otherwise empty: kg without what was added, and by component (x, y, z) `free`
+  /// times true mass over mass. Gravity pulls on the true mass and moves all of it.
+  std::vector<double> true_mass;
+  std::array<std::vector<double>, 3> weight;
   std::vector<double> inverse_mass, inverse_inertia;  ///< 0 for clamped nodes
   /// For meshes with constraints on single components: free, inverse mass or inertia by component (x, y, z,
   /// then the rotations); otherwise empty, and the three above serve all.
@@ -36,6 +40,12 @@ struct NodeArrays {
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   [[nodiscard]] const double* free_of(std::size_t c) const {
     return component_free[c].empty() ? free.data() : component_free[c].data();
+  }
+  [[nodiscard]] const double* weight_of(std::size_t c) const {
+    return weight[c].empty() ? free_of(c) : weight[c].data();
+  }
+  [[nodiscard]] const double* true_mass_of() const {
+    return true_mass.empty() ? mass.data() : true_mass.data();
   }
   [[nodiscard]] const double* inverse_of(std::size_t c) const {
     if (!component_inverse[c].empty()) return component_inverse[c].data();

@@ -5,6 +5,21 @@
 
 namespace tuft::fe {
 
+namespace {
+
+void add_true_weights(const ShellMesh& mesh, const ElementArrays& elements, NodeArrays& nodes) {
+  nodes.true_mass.assign(nodes.size(), 0.0);
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    for (const Index n : mesh.quads[e])
+      nodes.true_mass[static_cast<std::size_t>(n)] +=
+          elements.true_mass[static_cast<std::size_t>(elements.slot[e])] / 4;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      nodes.weight[c].push_back(nodes.free_of(c)[n] * nodes.true_mass[n] / nodes.mass[n]);
+}
+
+}  // namespace
+
 NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements) {
   NodeArrays nodes;
   const std::size_t count = mesh.nodes.size();
@@ -46,6 +61,7 @@ NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements
       nodes.component_free[c].push_back(is_free);
       nodes.component_inverse[c].push_back(is_free / (c < 3 ? nodes.mass[n] : nodes.inertia[n]));
     }
+  if (!elements.true_mass.empty()) add_true_weights(mesh, elements, nodes);
   nodes.sums.resize((count + nodes_per_block - 1) / nodes_per_block);
   return nodes;
 }
@@ -81,12 +97,12 @@ ComponentSums move_component(const NodeArrays& nodes, std::size_t c, const doubl
                              std::size_t end, double* velocity, double* position) {
   const double dt = step.length, damping = step.damping, scale = 1 / (1 + 0.5 * damping * dt);
   const double kept = (1 - 0.5 * damping * dt) * scale, kick = dt * scale, taken_off = step.taken_off * kick;
-  const double *is_free = nodes.free_of(c), *inverse = nodes.inverse_of(c);
+  const double *is_free = nodes.free_of(c), *inverse = nodes.inverse_of(c), *weight = nodes.weight_of(c);
   double kinetic = 0, external_work = 0, damping_work = 0, impulse = 0, clamp_impulse = 0;
 #pragma omp simd reduction(+ : kinetic, external_work, damping_work, impulse, clamp_impulse)
   for (std::size_t n = begin; n < end; ++n) {
     const double given = load[n];
-    const double acceleration = (given - internal[n - begin]) * inverse[n] + gravity * is_free[n];
+    const double acceleration = (given - internal[n - begin]) * inverse[n] + gravity * weight[n];
     const double before = velocity[n] - taken_off * acceleration;
     const double after = kept * before + kick * acceleration;
     const double mean = 0.5 * (before + after);

@@ -74,6 +74,16 @@ void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& 
   plan.windows = static_cast<std::uint64_t>(steps.windows) * schedule.end;
 }
 
+void remark_on_mass_scaling(RunPlan& plan, const fe::MassScaling& scaling) {
+  if (scaling.limit == 0) return;
+  plan.remarks.push_back(
+      fmt::format("mass scaling adds {:.3g} g, {:.3g} % of the carpet's mass (limit {:.3g} %), to {} shells; "
+                  "the carpet's "
+                  "stable step rises from {:.3g} to {:.3g} us",
+                  1e3 * scaling.added_mass, 100 * scaling.share(), 100 * scaling.limit, scaling.elements,
+                  1e6 * scaling.step_before, 1e6 * scaling.step_after));
+}
+
 /// Builds the run and times its real loops over the first intervals.
 void plan_by_running(RunPlan& plan, const Scene& scene) {
   RunState state = make_run_state(scene, nullptr, {});
@@ -82,6 +92,7 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
   plan.particles = simulation.infill().particles().size();
   plan.shells = carpet.mesh().quads.size();
   plan.nodes = carpet.nodes().x.size();
+  remark_on_mass_scaling(plan, carpet.mass_scaling());
   take_steps(plan, simulation.stable_steps(), scene, state.schedule);
   simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
   simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
@@ -111,9 +122,9 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, effect_on(plan.effects, "fibres"));
   plan.shells = mesh.quads.size();
   plan.nodes = mesh.nodes.size();
-  fe::CarpetOptions options;
-  options.sections = {scene.turf.carpet.backing_section, scene.turf.carpet.fibre_section};
-  const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre}, options);
+  const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre},
+                          coupler::carpet_options(scene));
+  remark_on_mass_scaling(plan, carpet.mass_scaling());
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);
   take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step}, scene,

@@ -259,6 +259,12 @@ void Runner::measure() {
   auto& notes = summary_.notes;
   notes["window"] = {plan.window, "s"};
   notes["carpet_step"] = {plan.window / plan.carpet_substeps, "s"};
+  if (const fe::MassScaling& scaling = simulation.carpet().mass_scaling(); scaling.limit > 0) {
+    notes["mass_scaling_added"] = {scaling.added_mass, "kg"};
+    notes["mass_scaling_share"] = {scaling.share(), "1"};
+    notes["mass_scaling_step_before"] = {scaling.step_before, "s"};
+    notes["mass_scaling_step_after"] = {scaling.step_after, "s"};
+  }
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
   if (!simulation.carpet().eroded().empty())
     notes["eroded_shells"] = {static_cast<double>(simulation.carpet().eroded_count()), "1"};
