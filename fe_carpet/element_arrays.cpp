@@ -56,7 +56,7 @@ void fill_slots(const ShellMesh& mesh, ElementArrays& arrays) {
   arrays.state.assign(state, 0.0);
 }
 
-/// Padding has the stiffness of no material: zero.
+/// Padding has the stiffness of no material, zero, and a compliance that nothing divides by zero for.
 void fill_orthotropic(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials,
                       ElementArrays& arrays) {
   for (std::size_t m = 0; m < arrays.family.size(); ++m) {
@@ -68,7 +68,14 @@ void fill_orthotropic(const ShellMesh& mesh, const std::vector<ShellMaterial>& m
     for (std::size_t b = 0; b < family.batch_count; ++b)
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         const Index e = arrays.element[(family.first_batch + b) * lanes + lane];
-        if (e < 0) continue;
+        const auto put = [&](const std::array<double, OrthotropicTable::values>& values) {
+          for (std::size_t v = 0; v < values.size(); ++v)
+            table->stiffness[(b * values.size() + v) * lanes + lane] = values[v];
+        };
+        if (e < 0) {
+          put({0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1});
+          continue;
+        }
         const LocalAxes<double> axes = reference_frame(mesh, static_cast<std::size_t>(e)).axes;
         const double out = dot(axes.e3, along);
         if (!(out * out < 0.99 * dot(along, along)))
@@ -79,11 +86,8 @@ void fill_orthotropic(const ShellMesh& mesh, const std::vector<ShellMaterial>& m
               m, e);
         const OrthotropicLaw<double> law =
             orthotropic_law(materials[m], std::atan2(dot(axes.e2, along), dot(axes.e1, along)));
-        const std::array<double, OrthotropicTable::values> values{
-            law.q11,   law.q12,     law.q22,     law.q16, law.q26, law.q66, law.transverse_shear,
-            law.shear, law.poisson, law.thinning};
-        for (std::size_t v = 0; v < values.size(); ++v)
-          table->stiffness[(b * values.size() + v) * lanes + lane] = values[v];
+        put({law.q11, law.q12, law.q22, law.q16, law.q26, law.q66, law.transverse_shear, law.shear,
+             law.thinning, law.s11, law.s12, law.s22, law.s16, law.s26, law.s66});
       }
   }
 }

@@ -22,7 +22,7 @@ inline constexpr std::size_t batches_per_block = 8;
 /// Orthotropic stiffnesses in the axes of each element of a family as built; in-plane shear turns the
 /// material's directions in the element by half its angle, which is neglected.
 struct OrthotropicTable {
-  static constexpr std::size_t values = 10;
+  static constexpr std::size_t values = 15;
   PackedDoubles stiffness;  ///< [batch of the family][value][lane], values in OrthotropicLaw's order
   IsotropicLaw stiffer;     ///< for bounds
   static constexpr std::size_t plane_rows() { return OrthotropicLaw<double>::plane_rows(); }

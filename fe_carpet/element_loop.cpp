@@ -199,7 +199,8 @@ OrthotropicLaw<Pack> law_of_batch(const ElementFamily& family, const Orthotropic
                                   std::size_t batch) {
   const double* first = &table.stiffness[(batch - family.first_batch) * OrthotropicTable::values * lanes];
   const auto value = [first](std::size_t v) { return load(first + v * lanes); };
-  return {value(0), value(1), value(2), value(3), value(4), value(5), value(6), value(7), value(8), value(9)};
+  return {value(0), value(1), value(2),  value(3),  value(4),  value(5),  value(6), value(7),
+          value(8), value(9), value(10), value(11), value(12), value(13), value(14)};
 }
 
 /// Isotropic and at least as stiff, for bounds.
@@ -296,10 +297,6 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
 
-FibrePair<Pack> fibres(const ShellFrame<Pack>& f, const Pack& nu) {
-  return {fibre_strain(f.x_xi, f.y_xi, nu), fibre_strain(f.x_eta, f.y_eta, nu)};
-}
-
 template <int Points, class Law>
 void update_full(ElementArrays& elements, const ElementFamily& family, const Law& law,
                  const NodeMotion& nodes, double last_step, std::size_t batch, std::size_t block,
@@ -319,8 +316,7 @@ void update_full(ElementArrays& elements, const ElementFamily& family, const Law
   works.hourglass += advance_drilling(rows, k, step.de, s);
 
   const std::size_t sr = law.shear_rows(), point_rows = 2 * sr + section_rows<Points>(law);
-  const FibrePair<Pack> before = fibres(step.middle, Pack(law.poisson)),
-                        after = fibres(step.end, Pack(law.poisson));
+  const FibrePair<Pack> before = fibre_pair(law, step.middle), after = fibre_pair(law, step.end);
   Pack stretch(0.0);
   for (std::size_t p = 0; p < 4; ++p) {
     const double xi = p == 0 || p == 3 ? -gauss : gauss, eta = p < 2 ? -gauss : gauss;

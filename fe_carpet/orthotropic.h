@@ -1,7 +1,6 @@
 #pragma once
 /// Orthotropic linear elastic shells: woven and stitched backings, stiff along and across the stitch and soft
-/// in shear. Pure functions. In-plane bending of one element is computed for sides along or across the
-/// stitch; see docs/theory/shells.md for what that costs in other directions.
+/// in shear. Pure functions.
 #include "fe_carpet/plane_stress.h"
 
 namespace tuft::fe {
@@ -12,8 +11,8 @@ struct OrthotropicLaw {
   Value q11, q12, q22, q16, q26, q66;  ///< in-plane stress of strain, engineering shear
   Value transverse_shear;              ///< shear_correction x the in-plane shear modulus
   Value shear;                         ///< in-plane shear modulus in the material's axes
-  Value poisson;                       ///< geometric mean of the two
-  Value thinning;                      ///< -e_zz / (e_xx + e_yy), of that mean (assumed)
+  Value thinning;  ///< -e_zz / (e_xx + e_yy), of the geometric mean of both Poisson's ratios (assumed)
+  Value s11, s12, s22, s16, s26, s66;  ///< the inverse, 1/Pa: strain of in-plane stress
 
   [[nodiscard]] static constexpr std::size_t plane_rows() { return 3; }
   [[nodiscard]] static constexpr std::size_t shear_rows() { return 1; }
@@ -27,6 +26,14 @@ struct OrthotropicLaw {
   template <class Real>
   [[nodiscard]] Real transverse_stress(const Real& strain) const {
     return transverse_shear * strain;
+  }
+  template <class Real>
+  [[nodiscard]] PlaneStrain<Real> fibre_strain(const Real& x, const Real& y) const {
+    const Real xx = x * x, yy = y * y, xy = x * y;  // the uniaxial stress, up to a factor
+    const Real exx = s11 * xx + s12 * yy + s16 * xy, eyy = s12 * xx + s22 * yy + s26 * xy;
+    const Real gxy = s16 * xx + s26 * yy + s66 * xy;
+    const Real over = (xx + yy) / (xx * exx + yy * eyy + xy * gxy);
+    return {over * exx, over * eyy, over * gxy};
   }
   template <class Real, class Rows>
   [[nodiscard]] PlaneAdvance<Real> advance(const Rows& rows, const PlaneStrain<Real>& de) const {
@@ -54,8 +61,15 @@ struct OrthotropicLaw {
   law.q26 = (q11 - q12 - 2 * g) * ss * cs + (q12 - q22 + 2 * g) * cc * cs;
   law.shear = g;
   law.transverse_shear = shear_correction * g;
-  law.poisson = std::sqrt(nu12 * nu21);
-  law.thinning = law.poisson / (1 - law.poisson);
+  const double mean_poisson = std::sqrt(nu12 * nu21);
+  law.thinning = mean_poisson / (1 - mean_poisson);
+  const double s11 = 1 / e1, s22 = 1 / e2, s12 = -nu12 / e1, s66 = 1 / g, mixed = 2 * s12 + s66;
+  law.s11 = s11 * cc * cc + mixed * cc * ss + s22 * ss * ss;
+  law.s22 = s11 * ss * ss + mixed * cc * ss + s22 * cc * cc;
+  law.s12 = (s11 + s22 - s66) * cc * ss + s12 * (cc * cc + ss * ss);
+  law.s66 = 2 * (2 * s11 + 2 * s22 - 4 * s12 - s66) * cc * ss + s66 * (cc * cc + ss * ss);
+  law.s16 = (2 * s11 - mixed) * cc * cs - (2 * s22 - mixed) * ss * cs;
+  law.s26 = (2 * s11 - mixed) * ss * cs - (2 * s22 - mixed) * cc * cs;
   return law;
 }
 

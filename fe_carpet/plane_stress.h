@@ -4,6 +4,9 @@
 /// Each law has
 ///   stress(exx, eyy, gxy)       Pa, of an instantaneous strain in the element's axes
 ///   transverse_stress(g)        Pa, of transverse shear, corrected for the section
+///   fibre_strain(x, y)          of uniaxial stress along the direction (x, y) in the element's axes, per
+///   unit
+///                               of strain along it: what the bending of fibres in the plane strains
 ///   advance(rows, de)           new in-plane stress after a strain increment; the rows hold the point's
 ///   state advance_shear(rows, dg)     the same for one component of transverse shear plane_rows(),
 ///   shear_rows()  how many values of state that takes
@@ -30,6 +33,14 @@ template <class Real>
 struct PlaneStrain {
   Real xx, yy, xy;  ///< xy: engineering shear
 };
+
+/// fibre_strain of a law with one Poisson's ratio nu, whatever its modulus.
+template <class Real>
+[[nodiscard]] inline PlaneStrain<Real> isotropic_fibre_strain(const Real& x, const Real& y, const Real& nu) {
+  const Real over = Real(1.0) / (x * x + y * y);
+  const Real xx = x * x * over, yy = y * y * over;
+  return {xx - nu * yy, yy - nu * xx, Real(2.0) * (Real(1.0) + nu) * x * y * over};
+}
 
 /// Stress after an increment, its mean over the increment (whose product with the strain is the work), and
 /// the strain increment through the thickness.
@@ -96,6 +107,10 @@ struct IsotropicLaw {
   template <class Real>
   [[nodiscard]] Real transverse_stress(const Real& strain) const {
     return transverse_shear * strain;
+  }
+  template <class Real>
+  [[nodiscard]] PlaneStrain<Real> fibre_strain(const Real& x, const Real& y) const {
+    return isotropic_fibre_strain(x, y, Real(poisson));
   }
   [[nodiscard]] double drilling_modulus() const { return shear; }
   template <class Real, class Rows>

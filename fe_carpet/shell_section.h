@@ -87,13 +87,12 @@ struct ModeStiffness {
 template <class Law, class Real>
 [[nodiscard]] ModeStiffness<Real> mode_stiffness(const Law& law, const ShellFrame<Real>& f, const Real& t) {
   const Real zero(0.0), volume = t * f.area, third = volume * (1.0 / 3.0);
-  const Real nu(law.poisson);
   ModeStiffness<Real> k;
-  const auto along = [&law](const FibreStrain<Real>& e) {
-    return power<Real>(law.template stress<Real>(e.xx, e.yy, e.xy), {e.xx, e.yy, e.xy});
+  const auto along = [&law](const PlaneStrain<Real>& e) {
+    return power<Real>(law.template stress<Real>(e.xx, e.yy, e.xy), e);
   };
-  k.fibre_xi = third * along(fibre_strain(f.x_xi, f.y_xi, nu));
-  k.fibre_eta = third * along(fibre_strain(f.x_eta, f.y_eta, nu));
+  k.fibre_xi = third * along(law.template fibre_strain<Real>(f.x_xi, f.y_xi));
+  k.fibre_eta = third * along(law.template fibre_strain<Real>(f.x_eta, f.y_eta));
   k.turn_xx = k.turn_xy = k.turn_yy = zero;
   const auto add_turn = [&](const Real& hx, const Real& hy) {
     const PlaneStress<Real> of_x = law.template stress<Real>(zero, -hy, -hx);
@@ -145,11 +144,16 @@ TUFT_HD inline PointShape<Real> point_shape(const ShellFrame<Real>& f, double xi
   return p;
 }
 
-/// The strains of fibres in unit bending, once an element.
+/// What a unit of fibre_xi and fibre_eta strains, once an element.
 template <class Real>
 struct FibrePair {
-  FibreStrain<Real> xi, eta;
+  PlaneStrain<Real> xi, eta;
 };
+
+template <class Law, class Real>
+[[nodiscard]] FibrePair<Real> fibre_pair(const Law& law, const ShellFrame<Real>& f) {
+  return {law.template fibre_strain<Real>(f.x_xi, f.y_xi), law.template fibre_strain<Real>(f.x_eta, f.y_eta)};
+}
 
 template <class Real>
 TUFT_HD inline PointStrain<Real> strain_at(const PointShape<Real>& p, const FibrePair<Real>& fibre,

@@ -151,18 +151,4 @@ TUFT_HD inline ShellForces<Real> nodal_forces(const ShellFrame<Real>& f, const S
   return forces;
 }
 
-/// What a unit of fibre_xi and fibre_eta strains: uniaxial stress along the side's direction, its width
-/// contracting by Poisson's ratio nu.
-template <class Real>
-struct FibreStrain {
-  Real xx, yy, xy;  ///< engineering shear
-};
-
-template <class Real>
-TUFT_HD inline FibreStrain<Real> fibre_strain(const Real& x, const Real& y, const Real& nu) {
-  const Real over = Real(1.0) / (x * x + y * y);
-  const Real xx = x * x * over, yy = y * y * over;
-  return {xx - nu * yy, yy - nu * xx, Real(2.0) * (Real(1.0) + nu) * x * y * over};
-}
-
 }  // namespace tuft::fe

@@ -25,9 +25,8 @@ struct ViscoelasticLaw {
   double bulk = 0;       ///< K, Pa
   double long_term = 0;  ///< G_inf, Pa
   std::vector<Term> terms;
-  double step = -1;    ///< s, that `kept` and `gain` are made for
-  double gain = 0;     ///< G_inf + sum of gains, Pa: the modulus of the step
-  double poisson = 0;  ///< instantaneous
+  double step = -1;  ///< s, that `kept` and `gain` are made for
+  double gain = 0;   ///< G_inf + sum of gains, Pa: the modulus of the step
 
   [[nodiscard]] std::size_t plane_rows() const { return 3 * (terms.size() + 1); }
   [[nodiscard]] std::size_t shear_rows() const { return terms.size() + 1; }
@@ -52,6 +51,12 @@ struct ViscoelasticLaw {
   template <class Real>
   [[nodiscard]] Real transverse_stress(const Real& strain) const {
     return instantaneous.transverse_stress(strain);
+  }
+  /// With the instantaneous Poisson's ratio. Held, such a fibre comes to resist its width's contraction,
+  /// which then falls short of uniaxial stress: by (nu_later - nu)^2 / (1 - nu_later^2) of its stiffness.
+  template <class Real>
+  [[nodiscard]] PlaneStrain<Real> fibre_strain(const Real& x, const Real& y) const {
+    return instantaneous.fibre_strain(x, y);
   }
 
   [[nodiscard]] double drilling_modulus() const { return instantaneous.shear; }
@@ -114,7 +119,6 @@ struct ViscoelasticLaw {
 [[nodiscard]] inline ViscoelasticLaw viscoelastic_law(const ShellMaterial& material) {
   ViscoelasticLaw law;
   law.instantaneous = instantaneous_law(material);
-  law.poisson = material.poisson_ratio;
   law.bulk = material.young_modulus / (3 * (1 - 2 * material.poisson_ratio));
   law.long_term = law.instantaneous.shear;
   for (const PronyTerm& term : material.relaxation) {

@@ -40,6 +40,27 @@ TEST(Orthotropic, YoungsModulusFollowsTheClosedFormInEveryDirection) {
   }
 }
 
+TEST(Orthotropic, ComplianceIsTheInverseOfTheStiffnessInEveryDirection) {
+  for (const double angle : {-1.0, 0.0, 0.3, 0.8, 1.5, 2.5}) {
+    const OrthotropicLaw<double> q = orthotropic_law(cloth(), angle);
+    Mat3 s;
+    s << q.s11, q.s12, q.s16, q.s12, q.s22, q.s26, q.s16, q.s26, q.s66;
+    EXPECT_LT((s * matrix(q) - Mat3::Identity()).norm(), 1e-12) << angle;
+  }
+}
+
+TEST(Orthotropic, AFibreStrainedByOneIsInUniaxialStressOfItsModulus) {
+  const double angle = 0.7, c = std::cos(angle), s = std::sin(angle);
+  const OrthotropicLaw<double> law = orthotropic_law(cloth(), 0.2);
+  const PlaneStrain<double> e = law.fibre_strain(3 * c, 3 * s);
+  EXPECT_NEAR(c * c * e.xx + s * s * e.yy + c * s * e.xy, 1, 1e-12);
+  const PlaneStress<double> stress = law.stress(e.xx, e.yy, e.xy);
+  const double modulus = modulus_at(0.2 - angle);
+  EXPECT_NEAR(stress.xx / modulus, c * c, 1e-12);
+  EXPECT_NEAR(stress.yy / modulus, s * s, 1e-12);
+  EXPECT_NEAR(stress.xy / modulus, c * s, 1e-12);
+}
+
 TEST(Orthotropic, StressInTurnedAxesIsTheTurnedStress) {
   const OrthotropicLaw<double> own = orthotropic_law(cloth(), 0);
   const double exx = 1e-3, eyy = -4e-4, gxy = 7e-4;
@@ -66,6 +87,11 @@ TEST(Orthotropic, WithEqualModuliIsTheIsotropicLaw) {
     EXPECT_NEAR(a.xx / b.xx, 1, 1e-12);
     EXPECT_NEAR(a.yy / b.yy, 1, 1e-12);
     EXPECT_NEAR(a.xy / b.xy, 1, 1e-12);
+    const PlaneStrain<double> e = orthotropic_law(m, angle).fibre_strain(0.3, 0.7);
+    const PlaneStrain<double> f = isotropic.fibre_strain(0.3, 0.7);
+    EXPECT_NEAR(e.xx, f.xx, 1e-12);
+    EXPECT_NEAR(e.yy, f.yy, 1e-12);
+    EXPECT_NEAR(e.xy, f.xy, 1e-12);
   }
 }
 

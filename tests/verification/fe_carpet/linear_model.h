@@ -52,8 +52,7 @@ inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const Isotr
     s.shear_eta_xi = c * k.shear_eta_xi * e.shear_eta_xi;
     return s;
   }
-  const FibrePair<double> fibre{fibre_strain(f.x_xi, f.y_xi, law.poisson),
-                                fibre_strain(f.x_eta, f.y_eta, law.poisson)};
+  const FibrePair<double> fibre = fibre_pair(law, f);
   const double gauss = 1 / std::sqrt(3.0);
   for (const double xi : {-gauss, gauss})
     for (const double eta : {-gauss, gauss}) {
