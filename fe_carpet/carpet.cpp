@@ -108,11 +108,12 @@ void check_options(const CarpetOptions& options) {
 
 /// Per node the sum over its elements of (m_e / 4) / dt_e^2, with dt_e = 2 / frequency bound of the element.
 /// Never more than the node's mass over the square of the stable step of the mesh.
-std::vector<double> contact_stiffness_of_nodes(const ElementArrays& elements, const ShellMesh& mesh) {
+std::vector<double> contact_stiffness_of_nodes(const ElementArrays& elements, const ShellMesh& mesh,
+                                               const Vec3Array& position) {
   std::vector<double> stiffness(mesh.nodes.size(), 0.0);
   std::vector<double> frequency_squared(elements.element.size());
   for (std::size_t batch = 0; batch < elements.batch_count; ++batch) {
-    const Pack bound = batch_frequency_squared(elements, mesh.nodes, batch);
+    const Pack bound = batch_frequency_squared(elements, position, batch);
     for (std::size_t lane = 0; lane < lanes; ++lane) frequency_squared[batch * lanes + lane] = bound[lane];
   }
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
@@ -142,9 +143,9 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
       materials(std::move(materials_in)),
       options(options_in),
       elements(make_element_arrays(mesh, materials, options)),
-      mass_scaling(scale_masses(elements, mesh.nodes, options.mass_scaling_limit)),
+      mass_scaling(scale_masses(elements, positions_with_spares(mesh, elements), options.mass_scaling_limit)),
       nodes(make_node_arrays(mesh, elements)),
-      contact_stiffness(contact_stiffness_of_nodes(elements, mesh)) {
+      contact_stiffness(contact_stiffness_of_nodes(elements, mesh, nodes.motion.position)) {
   for (std::size_t m = 0; m < materials.size(); ++m)
     wave_speed = std::max(wave_speed, std::sqrt(stiffest_direct(materials[m]) / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());

@@ -21,6 +21,14 @@ void empty_slot(ElementArrays& elements, std::size_t slot, Index first_spare_nod
   for (std::size_t row = 0; row < rows; ++row) state[row * lanes] = 0;
 }
 
+Vec3Array positions_with_spares(const ShellMesh& mesh, const ElementArrays& elements) {
+  Vec3Array positions = mesh.nodes;
+  if (can_fail(elements))
+    for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)})
+      positions.push_back(corner);
+  return positions;
+}
+
 ErodedWork erode_marked(ElementArrays& elements, Index first_spare_node) {
   ErodedWork taken;
   for (std::size_t b = 0; b < elements.block.size(); ++b) {

@@ -57,6 +57,7 @@ TUFT_HD inline Real work(const ShellModes<Real>& s, const ShellModes<Real>& de) 
 }
 
 struct ElementArrays;
+struct ShellMesh;
 
 /// Energies, J, of what was taken out.
 struct ErodedWork {
@@ -67,6 +68,9 @@ struct ErodedWork {
 /// the sums of their blocks into what is returned. They bear no force any more, that of this moment included:
 /// over the last step the nodes did the work of half of the force before it.
 ErodedWork erode_marked(ElementArrays& elements, Index first_spare_node);
+
+/// The mesh's nodes, with the corners of the resting square behind them where something can fail.
+[[nodiscard]] Vec3Array positions_with_spares(const ShellMesh& mesh, const ElementArrays& elements);
 
 /// Makes slots nothing: no thickness, no mass, no state, and the corners of a square that rests, on the four
 /// spare nodes from first_spare_node on.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "fe_carpet/erosion.h"
 #include "fe_carpet/node_arrays.h"
 
 namespace tuft::fe {
@@ -23,10 +24,7 @@ void add_true_weights(const ShellMesh& mesh, const ElementArrays& elements, Node
 NodeArrays make_node_arrays(const ShellMesh& mesh, const ElementArrays& elements) {
   NodeArrays nodes;
   const std::size_t count = mesh.nodes.size();
-  nodes.motion.position = mesh.nodes;
-  if (can_fail(elements))  // a square for slots that are empty (erosion.h)
-    for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)})
-      nodes.motion.position.push_back(corner);
+  nodes.motion.position = positions_with_spares(mesh, elements);
   nodes.motion.velocity.assign(nodes.motion.position.size(), 0.0);
   nodes.motion.angular_velocity.assign(nodes.motion.position.size(), 0.0);
   nodes.clamped = mesh.clamped;
