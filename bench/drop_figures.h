@@ -16,8 +16,8 @@ struct DropRequest {
   int repetitions = 1;           ///< the fastest counts, >= 1
 };
 
-/// Share of the coupled steps' wall time that is contact (search and forces), exchange with the infill's host and
-/// waiting for it beyond its own steps. Steps are all phases but setup, packing and checkpoints.
+/// Share of the coupled steps' wall time that is contact (search and forces), exchange with the infill's host
+/// and waiting for it beyond its own steps. Steps are all phases but setup, packing and checkpoints.
 [[nodiscard]] double coupling_share(const nlohmann::json& cost);
 
 /// Runs the scene with both infills, on one and two threads. Throws std::runtime_error when a run does not

@@ -1,5 +1,6 @@
-/// Particle-steps per second of SPH infill on a settled bed of 300 000 particles, both presets, 1 and 2 threads.
-/// The argument of a benchmark is its number of threads; counter `particle_steps` is the rate in real time.
+/// Particle-steps per second of SPH infill on a settled bed of 300 000 particles, both presets, 1 and 2
+/// threads. The argument of a benchmark is its number of threads; counter `particle_steps` is the rate in
+/// real time.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -83,8 +84,12 @@ void measure(benchmark::State& state, Kernel kernel, double smoothing_over_pitch
   state.counters["neighbours"] = bed->infill().mean_neighbours();
 }
 
-void sph_paper(benchmark::State& state) { measure(state, Kernel::cubic_spline, 0.71); }
-void sph_accurate(benchmark::State& state) { measure(state, Kernel::wendland_c2, 1.3); }
+void sph_paper(benchmark::State& state) {
+  measure(state, Kernel::cubic_spline, 0.71);
+}
+void sph_accurate(benchmark::State& state) {
+  measure(state, Kernel::wendland_c2, 1.3);
+}
 
 BENCHMARK(sph_paper)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(sph_accurate)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
