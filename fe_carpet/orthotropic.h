@@ -43,6 +43,14 @@ struct OrthotropicLaw {
   [[nodiscard]] ShearAdvance<Real> advance_shear(const Rows& rows, const Real& dg) const {
     return add_shear(rows, Real(transverse_shear * dg));
   }
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_uniaxial(const Rows& rows, const Real& d) const {
+    return add_shear(rows, d);
+  }
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_shear(const Rows& rows, const Real& d) const {
+    return add_shear(rows, d);
+  }
 };
 
 /// The stiffness of a material with moduli along (1) and across (2), in axes whose e1 has to be turned by

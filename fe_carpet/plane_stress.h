@@ -8,8 +8,11 @@
 ///   unit
 ///                               of strain along it: what the bending of fibres in the plane strains
 ///   advance(rows, de)           new in-plane stress after a strain increment; the rows hold the point's
-///   state advance_shear(rows, dg)     the same for one component of transverse shear plane_rows(),
-///   shear_rows()  how many values of state that takes
+///   state advance_shear(rows, dg)     the same for one component of transverse shear relax_uniaxial(rows,
+///   d), relax_shear(rows, d)
+///                               the same for a force that goes with uniaxial stress or with shear, d being
+///                               its increment by the instantaneous moduli: what hourglass modes take
+///   plane_rows(), shear_rows()  how many values of state advance and the other three take
 /// All moduli are Pa. Strains are increments in corotated axes, so that the laws are in rate form; the stress
 /// is Cauchy's.
 #include <algorithm>
@@ -50,6 +53,7 @@ struct PlaneAdvance {
   Real thickness_strain;
 };
 
+/// The same of one component.
 template <class Real>
 struct ShearAdvance {
   Real stress, mean;
@@ -120,6 +124,14 @@ struct IsotropicLaw {
   template <class Real, class Rows>
   [[nodiscard]] ShearAdvance<Real> advance_shear(const Rows& rows, const Real& dg) const {
     return add_shear(rows, Real(transverse_shear * dg));
+  }
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_uniaxial(const Rows& rows, const Real& d) const {
+    return add_shear(rows, d);
+  }
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_shear(const Rows& rows, const Real& d) const {
+    return add_shear(rows, d);
   }
 };
 

@@ -100,12 +100,40 @@ struct ViscoelasticLaw {
 
   template <class Real, class Rows>
   [[nodiscard]] ShearAdvance<Real> advance_shear(const Rows& rows, const Real& dg) const {
-    const Real corrected = shear_correction * dg;
-    Real before = rows.read(0), after = before + long_term * corrected;
+    return advance_terms(rows, Real(shear_correction * dg));
+  }
+
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_shear(const Rows& rows, const Real& d) const {
+    return advance_terms(rows, Real(d * (1 / instantaneous.shear)));
+  }
+
+  /// Exact for uniaxial stress: the sides are free, s_side + p = 0 with s_side = -s/2, so that p = K tr e =
+  /// s/2 and the stress is 3/2 s. Rows: s of the long-term deviator, then of each term.
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> relax_uniaxial(const Rows& rows, const Real& d) const {
+    const Real de = d * (1 / (2 * instantaneous.shear * (1 + instantaneous.poisson)));
+    Real before = rows.read(0), left = before;
+    for (std::size_t i = 1; i < terms.size() + 1; ++i) {
+      const Real s = rows.read(i);
+      before += s;
+      left += terms[i - 1].kept * s;
+    }
+    const Real volume = (0.5 * (left - before) + gain * de) * (1.0 / (bulk + gain / 3.0));
+    const Real twice = 2.0 * (de - (1.0 / 3.0) * volume);
+    (void)advance_terms(rows, twice);
+    return {1.5 * (left + gain * twice), 0.75 * (before + left + gain * twice)};
+  }
+
+ private:
+  /// One deviatoric component: each term's stress relaxes and takes its modulus times the strain.
+  template <class Real, class Rows>
+  [[nodiscard]] ShearAdvance<Real> advance_terms(const Rows& rows, const Real& strain) const {
+    Real before = rows.read(0), after = before + long_term * strain;
     rows.write(0, after);
     for (std::size_t i = 1; i < terms.size() + 1; ++i) {
       const Term& term = terms[i - 1];
-      const Real old = rows.read(i), now = term.kept * old + term.gain * corrected;
+      const Real old = rows.read(i), now = term.kept * old + term.gain * strain;
       rows.write(i, now);
       before += old;
       after += now;

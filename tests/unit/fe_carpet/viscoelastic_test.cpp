@@ -103,6 +103,27 @@ TEST(Viscoelastic, StressThroughTheThicknessStaysZero) {
   }
 }
 
+TEST(Viscoelastic, ForcesOfUniaxialStressRelaxAsTheLawDoesWithFreeSides) {
+  ViscoelasticLaw law = viscoelastic_law(slit_film());
+  law.set_step(2e-4);
+  std::vector<double> plane(law.plane_rows(), 0.0), uniaxial(law.shear_rows(), 0.0);
+  for (int i = 0; i < 300; ++i) {
+    const double along = i < 50 ? 1e-4 : 2e-5 * std::sin(0.3 * i);
+    // The stress across is linear in the strain across: two trials give the one that leaves it free.
+    const auto across = [&](double strain) {
+      std::vector<double> rows = plane;
+      return law.advance(PointRows<double>{rows.data()}, PlaneStrain<double>{along, strain, 0}).stress.yy;
+    };
+    const double at_zero = across(0), slope = (across(1e-4) - at_zero) / 1e-4;
+    const double stress =
+        law.advance(PointRows<double>{plane.data()}, PlaneStrain<double>{along, -at_zero / slope, 0})
+            .stress.xx;
+    const ShearAdvance<double> a =
+        law.relax_uniaxial(PointRows<double>{uniaxial.data()}, slit_film().young_modulus * along);
+    ASSERT_NEAR(a.stress / stress, 1, 1e-9) << i;
+  }
+}
+
 TEST(Viscoelastic, AClosedCycleOfStrainDissipates) {
   for (const double rate : {1.0, 30.0, 1000.0, 30000.0}) {
     Point point(slit_film());
