@@ -1,6 +1,7 @@
 /// Shells that fail: when, with what energy, and what is left.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 
@@ -187,6 +188,24 @@ TEST_P(Erosion, ResumesWithTheSameBits) {
   EXPECT_EQ(std::memcmp(a.x.data(), b.x.data(), a.x.size_bytes()), 0);
   EXPECT_EQ(std::memcmp(a.vx.data(), b.vx.data(), a.vx.size_bytes()), 0);
   EXPECT_EQ(whole->energy().eroded, resumed->energy().eroded);
+}
+
+TEST_P(Erosion, GivesTheSameBitsWithOneAndTwoThreads) {
+  constexpr Index along = 1200;  // enough for threads to be used
+  std::array<std::unique_ptr<Carpet>, 2> carpets;
+  for (int threads = 1; threads <= 2; ++threads) {
+    set_threads(threads);
+    auto& carpet = carpets[static_cast<std::size_t>(threads) - 1];
+    carpet = flying_apart(4000, 0.05, shells(), along);
+    const double dt = safety * carpet->stable_step();
+    for (int i = 0; i < 300; ++i) carpet->step(dt, no_load(2 * (along + 1)));
+  }
+  set_threads(1);
+  const NodeView a = carpets[0]->nodes(), b = carpets[1]->nodes();
+  EXPECT_GT(carpets[0]->eroded_count(), 0u);
+  EXPECT_EQ(carpets[0]->eroded_count(), carpets[1]->eroded_count());
+  EXPECT_EQ(std::memcmp(a.x.data(), b.x.data(), a.x.size_bytes()), 0);
+  EXPECT_EQ(carpets[0]->energy().eroded, carpets[1]->energy().eroded);
 }
 
 /// A strip bent until its faces, not its middle, pass the limit.
