@@ -89,8 +89,10 @@ class Carpet {
   void set_damping(double rate);  ///< 1/s
   [[nodiscard]] CarpetEnergy energy() const;
   [[nodiscard]] double kinetic_energy() const;  ///< J, energy().kinetic after the first step; cheap
-  /// Takes all velocities away and books their energy as damping. The ledger is open by the work of half a
-  /// step afterwards: loads and inner forces of the step before count only half for it.
+  /// Takes all velocities away and books their energy as damping: the kinetic energy at the last force
+  /// evaluation and what loads, gravity and inner forces have done since. The last loads count for the whole
+  /// step to the present positions, at their power in the last evaluation. The ledger is closed, before the
+  /// next step and after it.
   void stop();
   /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
   [[nodiscard]] Vec3 impulse_received() const;
