@@ -186,12 +186,20 @@ void Carpet::Impl::update_elements() {
 /// Elements write their own corners, then nodes gather them: no two threads write one value.
 void Carpet::Impl::move(double dt, const Vec3Array& force, const Vec3Array* moment) {
   const NodeStep node_step{dt, options.damping, options.gravity, from_rest ? 0.5 : 0.0};
-  from_rest = false;
+  const bool starts = std::exchange(from_rest, false);
   update_elements();
   stop_on_inverted_element();
 #pragma omp parallel for schedule(static) if (elements.element_count > threads_pay_above)
   for (std::size_t block = 0; block < nodes.sums.size(); ++block)
     update_node_block(nodes, elements, force, moment, node_step, block);
+  if (starts) book_start_from_rest();
+}
+
+/// At rest, the mean of the kinetic energies half a step before and after is not zero but that of half a
+/// kick: it is no energy that anything gave, but goes back to what the stop has taken.
+void Carpet::Impl::book_start_from_rest() {
+  for (NodeSums& sums : nodes.sums)
+    sums.damping_work -= sums.kinetic + 0.5 * (sums.last_damping_work - sums.last_external_work);
 }
 
 namespace {
@@ -373,18 +381,27 @@ double Carpet::kinetic_energy() const {
   return kinetic;
 }
 
+namespace {
+
+double balance(const CarpetEnergy& e) {
+  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping + e.eroded - e.external_work;
+}
+
+}  // namespace
+
 void Carpet::stop() {
   Impl& c = *impl_;
-  Vec3Array &v = c.nodes.motion.velocity, &w = c.nodes.motion.angular_velocity;
-  for (std::size_t n = 0; n < c.nodes.size(); ++n) {
-    const double lost =
-        0.5 * (c.nodes.mass[n] * v[n].squaredNorm() + c.nodes.inertia[n] * w[n].squaredNorm());
-    c.nodes.sums[n / nodes_per_block].damping_work += lost;
-  }
+  const double before = balance(energy());
   // What these velocities have done since the last forces must not be lost: the elements have yet to see it.
   c.settle_elements();
-  v.assign(v.size(), 0.0);
-  w.assign(w.size(), 0.0);
+  for (Vec3Array* velocity : {&c.nodes.motion.velocity, &c.nodes.motion.angular_velocity})
+    velocity->assign(velocity->size(), 0.0);
+  for (NodeSums& sums : c.nodes.sums) {
+    sums.external_work += 0.5 * sums.last_external_work;
+    sums.damping_work -= 0.5 * sums.last_damping_work;
+    sums.kinetic = sums.last_external_work = sums.last_damping_work = 0;
+  }
+  c.nodes.sums.front().damping_work += before - balance(energy());
   c.from_rest = true;
 }
 

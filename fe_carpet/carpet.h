@@ -97,8 +97,10 @@ class Carpet {
   void set_damping(double rate);  ///< 1/s
   [[nodiscard]] CarpetEnergy energy() const;
   [[nodiscard]] double kinetic_energy() const;  ///< J, energy().kinetic after the first step; cheap
-  /// Takes all velocities away and books their energy as damping. The ledger is open by the work of half a
-  /// step afterwards: loads and inner forces of the step before count only half for it.
+  /// Takes all velocities away and books their energy as damping: the kinetic energy at the last force
+  /// evaluation and what loads, gravity and inner forces have done since. The last loads count for the whole
+  /// step to the present positions, at their power in the last evaluation. The ledger is closed, before the
+  /// next step and after it.
   void stop();
   /// Per element: whether it has failed (erosion.h). Empty when no material can.
   [[nodiscard]] std::span<const std::uint8_t> eroded() const;

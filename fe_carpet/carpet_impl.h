@@ -16,6 +16,7 @@ struct Carpet::Impl {
   void update_elements();
   void settle_elements();
   void move(double dt, const Vec3Array& force, const Vec3Array* moment);
+  void book_start_from_rest();
   void stop_on_inverted_element() const;
   void stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const;
   [[nodiscard]] double largest_frequency_squared() const;

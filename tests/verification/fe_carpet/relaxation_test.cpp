@@ -58,6 +58,54 @@ TEST(Relaxation, SaysWhenTheStepsWereNotEnough) {
   EXPECT_EQ(result.steps, 100);
 }
 
+/// Strips swinging under gravity and loads, one with damping of its own.
+class StoppedStrip : public testing::TestWithParam<double> {};
+
+TEST_P(StoppedStrip, KeepsItsLedgerClosedAcrossTheStopAndTheStepAfter) {
+  const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 2}, true);
+  ShellMaterial relaxing = polyethylene();
+  relaxing.relaxation = {{0.1e9, 100}};
+  for (const ShellMaterial& material : {polyethylene(), relaxing}) {
+    CarpetOptions options;
+    options.damping = GetParam();
+    Carpet carpet(strip.mesh, {material}, options);
+    Vec3Array load = no_load(strip.node_count()), moment = load;
+    load.set(static_cast<std::size_t>(strip.node(12, 0)), Vec3(2e-3, 1e-3, 3e-3));
+    moment.set(static_cast<std::size_t>(strip.node(12, 1)), Vec3(0, 2e-6, 1e-6));
+    const double dt = 0.8 * carpet.stable_step();
+    for (const int steps : {1, 2, 300, 1000}) {
+      for (int i = 0; i < steps; ++i) carpet.step(dt, load, moment);
+      const CarpetEnergy moving = carpet.energy();
+      const double scale = moving.kinetic + moving.strain + moving.hourglass;
+      carpet.stop();
+      const CarpetEnergy stopped = carpet.energy();
+      EXPECT_EQ(stopped.kinetic, 0);
+      EXPECT_EQ(carpet.kinetic_energy(), 0);
+      EXPECT_LT(std::abs(total(stopped) - total(moving)), 1e-9 * scale) << steps;
+      carpet.stop();
+      EXPECT_LT(std::abs(total(carpet.energy()) - total(stopped)), 1e-9 * scale) << "stopped twice";
+      carpet.step(dt, load, moment);
+      const CarpetEnergy again = carpet.energy();
+      EXPECT_LT(std::abs(total(again) - total(stopped)), 1e-9 * scale) << steps << ", the step after";
+      EXPECT_NEAR(again.strain, stopped.strain, 1e-12 * scale);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Damping, StoppedStrip, testing::Values(0.0, 200.0));
+
+TEST(Relaxation, WithManyStopsEndsWithALedgerThatBalances) {
+  Case c;
+  CarpetOptions options;
+  Carpet carpet(c.strip.mesh, {c.material}, options);
+  const double start = total(carpet.energy());
+  EXPECT_GT(relax(carpet, c.load, {}).swings, 10);
+  const CarpetEnergy e = carpet.energy();
+  EXPECT_NEAR((total(e) - start) / e.strain, 0, 1e-4);
+  // Work of the loads and of gravity is half stored, half stopped.
+  EXPECT_NEAR(e.damping / (e.strain + e.hourglass), 1, 1e-2);
+}
+
 TEST(Constraints, OfASymmetryPlaneGiveHalfOfTheWhole) {
   // A strip pulled at both ends, and its half with x and the turns about y and z held in the middle.
   const Strip whole = make_strip({0.02, 0.004, 0.0002, 8, 2}, false);
