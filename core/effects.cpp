@@ -130,6 +130,7 @@ EffectDecision decide(const EffectRule& rule, const Scene& scene) {
 
 std::vector<EffectDecision> decide_effects(const Scene& scene) {
   std::vector<EffectDecision> decisions;
+  if (scene.rig.is_component()) return decisions;  // all of them are effects of a filled turf
   for (const EffectRule& rule : rules) decisions.push_back(decide(rule, scene));
   return decisions;
 }

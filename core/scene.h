@@ -224,9 +224,32 @@ struct CleggRig {
   double touch_force = 22;               ///< N, force that starts the clock of first contact: 1 g of 2.25 kg
 };
 
+/// Which way a strip of backing is cut: its length along the stitch, or across it.
+enum class StripDirection { along, across };
+/// What the grips of a tension test hold of the strip's ends beside their length: the width too, as clamps
+/// do, or nothing, so that the ends contract as the rest does.
+enum class StripGrips { hold_width, let_contract };
+
+/// Tension of one strand or of a strip of backing at constant nominal strain rate; one test a rate. Neither
+/// infill nor turf around it.
+struct TensionRig {
+  std::vector<double> rates{0.1};           ///< 1/s, speed of the driven grip over the gauge length
+  std::vector<double> gauge_lengths{0.04};  ///< m between the grips: one for all rates, or one for each
+  double width = 0;  ///< m; 0: strand_width, or 16 mm along and 21 mm across the stitch
+  StripDirection direction = StripDirection::along;  ///< of a strip of backing
+  StripGrips grips = StripGrips::hold_width;
+  double strain_limit = 0.6;  ///< engineering strain at which a test ends, failed or not
+  int samples = 1000;         ///< rows recorded over a test
+  double mass_factor = 1;     ///< >= 1, of the density, for longer steps in slow tests
+};
+
 struct Rig {
   std::string type = "clegg";
   CleggRig clegg;
+  TensionRig tension;  ///< of the types strand_tension and backing_tension
+
+  /// A rig that tests the carpet's material alone: no patch, no infill, no settling.
+  [[nodiscard]] bool is_component() const { return type == "strand_tension" || type == "backing_tension"; }
 };
 
 enum class Switch { off, on, automatic };

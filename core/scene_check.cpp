@@ -11,7 +11,8 @@ namespace {
 constexpr double tray_above_infill = 0.020;   // m, default freeboard
 constexpr double margin_over_missile = 0.10;  // of its diameter, on each side of the patch
 constexpr double share_tolerance = 1e-6;
-constexpr double wendland_over_pitch = 1.3;    // about 75 neighbours (PHYSICS section 2)
+constexpr double wendland_over_pitch = 1.3;  // about 75 neighbours (PHYSICS section 2)
+constexpr double backing_strip_along = 0.016, backing_strip_across = 0.021;  // m, Bustamante et al. 2024
 constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
 
 std::string in_mm(double metres) {
@@ -168,6 +169,24 @@ void check_missile(const Scene& scene, const Places& places) {
   }
 }
 
+void complete_tension(Scene& scene, const Places& places) {
+  TensionRig& rig = scene.rig.tension;
+  if (rig.gauge_lengths.size() != 1 && rig.gauge_lengths.size() != rig.rates.size())
+    places.fail("rig.gauge_lengths", fmt::format("{} lengths for {} rates; give one for all, or one for each",
+                                                 rig.gauge_lengths.size(), rig.rates.size()));
+  const CarpetDesign& carpet = scene.turf.carpet;
+  if (!carpet.mesh.file.empty())
+    places.fail("turf.carpet.mesh",
+                "is not for a tension rig, whose strip has a mesh of its own; leave it out");
+  const bool strand = scene.rig.type == "strand_tension";
+  if (rig.width == 0)
+    rig.width = strand                                   ? carpet.strand_width
+                : rig.direction == StripDirection::along ? backing_strip_along
+                                                         : backing_strip_across;
+  scene.info.duration = 0;
+  for (const double rate : rig.rates) scene.info.duration += rig.strain_limit / rate;
+}
+
 }  // namespace
 
 void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
@@ -187,6 +206,7 @@ void complete_material(Material& material, Index self, const std::string& path, 
 void complete_scene(Scene& scene, const Places& places) {
   check_shell_material(scene.turf.carpet.fibre, "turf.carpet.fibre", places);
   check_shell_material(scene.turf.carpet.backing, "turf.carpet.backing", places);
+  if (scene.rig.is_component()) return complete_tension(scene, places);
   complete_sph(scene.infill.sph, places);
   check_dem_names(scene, places);
   check_layers(scene, places);

@@ -34,6 +34,8 @@ class SceneAssembly {
   }
 
   Scene assemble() {
+    // Which keys there are depends on the rig; whether its type is one is said when its key is read.
+    if (const auto type = toml_["rig"]["type"].value<std::string>()) scene_.rig.type = *type;
     TomlReader::read(document_, toml_, "", "", true, [this](KeyVisitor& keys) {
       dynamic_cast<TomlReader&>(keys).know(materials_key);
       schema::describe_scene(keys, scene_, [this](KeyVisitor& inside, CarpetDesign& carpet) {

@@ -37,6 +37,12 @@ class ReferenceVisitor final : public KeyVisitor {
                   const Range& range) override {
     add(key, unit, fmt::format("{} {}, {} {}", values[0], unit, values[1], unit), range.in_words());
   }
+  void quantity_list(const Key& key, std::vector<double>& values, std::string_view unit,
+                     const Range& range) override {
+    std::string list;
+    for (const double value : values) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", value, unit);
+    add(key, unit, list, range.in_words().empty() ? "a list" : "a list, each " + range.in_words());
+  }
   void curve(const Key& key, Curve&, const CurveAxes& axes) override {
     add(key, axes.y_unit, "", fmt::format("{{ unit, {}, {} }}", axes.x_name, axes.y_name));
   }
@@ -56,6 +62,7 @@ class ReferenceVisitor final : public KeyVisitor {
     visit(inside, 0);
   }
   bool wants(const Key&, bool) override { return true; }
+  [[nodiscard]] bool of_all_rigs() const override { return true; }
 
  private:
   [[nodiscard]] std::string join(std::string_view name) const {

@@ -72,6 +72,9 @@ class KeyVisitor {
   virtual void choice(const Key& key, std::string& value, Names names) = 0;
   virtual void quantities(const Key& key, std::array<double, 2>& values, std::string_view unit,
                           const Range& range) = 0;
+  /// One quantity or more.
+  virtual void quantity_list(const Key& key, std::vector<double>& values, std::string_view unit,
+                             const Range& range) = 0;
   virtual void curve(const Key& key, Curve& curve, const CurveAxes& axes) = 0;
   virtual void numbers_by_name(const Key& key, std::map<std::string, double>& values, const Range& range) = 0;
   /// A material, by name in files and by index in structs.
@@ -82,6 +85,8 @@ class KeyVisitor {
                      const VisitItem& visit) = 0;
   /// Whether an optional table is to be visited.
   virtual bool wants(const Key& key, bool present) = 0;
+  /// Whether to visit the keys of every rig, not only those of the rig at hand.
+  [[nodiscard]] virtual bool of_all_rigs() const { return false; }
 
   template <std::integral T>
   void integer(const Key& key, T& value, const Range& range) {
@@ -121,7 +126,7 @@ void describe_friction(KeyVisitor& keys, FrictionLaw& law);
 void describe_infill(KeyVisitor& keys, InfillChoice& infill);
 void describe_rig(KeyVisitor& keys, Rig& rig);
 void describe_effects(KeyVisitor& keys, Effects& effects);
-void describe_numerics(KeyVisitor& keys, Numerics& numerics);
+void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled);
 void describe_output(KeyVisitor& keys, Output& output);
 
 /// Every key of a scene, in full ("infill.sph.pitch"; an item of a list as "turf.layers[].depth").

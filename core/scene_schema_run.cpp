@@ -8,7 +8,9 @@ namespace {
 constexpr std::string_view approaches[] = {"sph", "dem"};
 constexpr std::string_view presets[] = {"accurate", "paper", "custom"};
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
-constexpr std::string_view rigs[] = {"clegg"};
+constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension"};
+constexpr std::string_view strip_directions[] = {"along", "across"};
+constexpr std::string_view strip_grips[] = {"hold_width", "let_contract"};
 
 constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
 
@@ -54,6 +56,28 @@ void describe_clegg(KeyVisitor& keys, CleggRig& clegg) {
   keys.quantity({"touch_force", "force that counts as first contact"}, clegg.touch_force, "N", positive);
 }
 
+void describe_tension(KeyVisitor& keys, TensionRig& tension, bool of_backing) {
+  keys.quantity_list({"rates", "tension: nominal strain rates, a test each"}, tension.rates, "Hz", positive);
+  keys.quantity_list(
+      {"gauge_lengths", "tension: length between the grips, one for all rates or one for each"},
+      tension.gauge_lengths, "m", positive);
+  keys.quantity({"width",
+                 "tension: width of the strip; 0: turf.carpet.strand_width, or of backing 16 mm along, 21 mm "
+                 "across"},
+                tension.width, "m", non_negative);
+  if (of_backing)
+    keys.enumeration({"direction", "backing_tension: strip cut along or across the stitch"},
+                     tension.direction, strip_directions);
+  keys.enumeration({"grips", "tension: grips hold the ends' width, or let them contract"}, tension.grips,
+                   strip_grips);
+  keys.number({"strain_limit", "tension: engineering strain at which a test ends"}, tension.strain_limit,
+              {0, 5, true, false});
+  keys.integer({"samples", "tension: rows recorded over a test"}, tension.samples, {10, 1e6, false, false});
+  keys.number(
+      {"mass_factor", "tension: on the density, for longer steps; the kinetic share says what is allowed"},
+      tension.mass_factor, at_least_one);
+}
+
 }  // namespace
 
 void describe_infill(KeyVisitor& keys, InfillChoice& infill) {
@@ -64,7 +88,9 @@ void describe_infill(KeyVisitor& keys, InfillChoice& infill) {
 
 void describe_rig(KeyVisitor& keys, Rig& rig) {
   keys.choice(required("type", "which rig"), rig.type, rigs);
-  describe_clegg(keys, rig.clegg);
+  if (rig.type == "clegg" || keys.of_all_rigs()) describe_clegg(keys, rig.clegg);
+  if (rig.is_component() || keys.of_all_rigs())
+    describe_tension(keys, rig.tension, rig.type == "backing_tension" || keys.of_all_rigs());
 }
 
 void describe_effects(KeyVisitor& keys, Effects& effects) {
@@ -74,8 +100,14 @@ void describe_effects(KeyVisitor& keys, Effects& effects) {
   }
 }
 
-void describe_numerics(KeyVisitor& keys, Numerics& numerics) {
+void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled) {
   keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
+  if (!coupled) {
+    keys.number({"energy_error_limit", "relative energy error that stops the run"},
+                numerics.energy_error_limit, positive);
+    keys.integer({"threads", "0: all cores"}, numerics.threads, {0, 4096, false, false});
+    return;
+  }
   keys.number({"mass_scaling_limit",
                "share of the carpet's mass that may be added to the shells that bound its step"},
               numerics.mass_scaling_limit, {0, 1, false, true});

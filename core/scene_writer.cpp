@@ -63,6 +63,13 @@ class TomlWriter final : public KeyVisitor {
                   const Range&) override {
     line(key, fmt::format("[\"{} {}\", \"{} {}\"]", values[0], unit, values[1], unit));
   }
+  void quantity_list(const Key& key, std::vector<double>& values, std::string_view unit,
+                     const Range&) override {
+    std::string list;
+    for (const double value : values)
+      list += fmt::format("{}\"{} {}\"", list.empty() ? "" : ", ", value, unit);
+    line(key, fmt::format("[{}]", list));
+  }
   void curve(const Key& key, Curve& curve, const CurveAxes& axes) override {
     line(key, fmt::format("{{ unit = \"{}\", {} = {}, {} = {} }}", axes.y_unit, axes.x_name,
                           list_text(curve.x), axes.y_name, list_text(curve.y)));

@@ -79,6 +79,12 @@ void TomlReader::refuse_unknown_keys() const {
     const std::string given(name.str());
     if (std::find(known_.begin(), known_.end(), given) != known_.end()) continue;
     const std::string key = shown(given);
+    // A key of the language all the same, but of other rigs.
+    for (const std::string& full : known_keys())
+      if (full == key || full.starts_with(key + ".") || full.starts_with(key + "[]."))
+        throw_bad_key(document_.where(&node, key), key,
+                      node.is_table() || node.is_array_of_tables() ? "" : value_text(node),
+                      "is not for the rig of this scene; leave it out");
     std::string hint = suggestion(given, known_);
     if (hint.empty()) {
       // Right key, wrong table?
@@ -236,6 +242,24 @@ void TomlReader::quantities(const Key& key, std::array<double, 2>& values, std::
     values[i] = to_quantity(name, array[i], unit, range);
     document_.places->note(path(name),
                            {document_.where(&array[i], shown(name)), shown(name), value_text(array[i])});
+  }
+}
+
+void TomlReader::quantity_list(const Key& key, std::vector<double>& values, std::string_view unit,
+                               const Range& range) {
+  const std::string example = fmt::format("[\"{}\"]", example_quantity(unit));
+  const toml::node* node =
+      find(key, fmt::format("a list of {}, for example {}", dimension_in_words(unit), example));
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->empty())
+    fail(key.name, *node, fmt::format("a list of quantities is needed, for example {}", example));
+  values.clear();
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string name = fmt::format("{}.{}", key.name, i);
+    values.push_back(to_quantity(name, (*array)[i], unit, range));
+    document_.places->note(
+        path(name), {document_.where(&(*array)[i], shown(name)), shown(name), value_text((*array)[i])});
   }
 }
 

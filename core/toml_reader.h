@@ -59,6 +59,8 @@ class TomlReader final : public KeyVisitor {
   void choice(const Key& key, std::string& value, Names names) override;
   void quantities(const Key& key, std::array<double, 2>& values, std::string_view unit,
                   const Range& range) override;
+  void quantity_list(const Key& key, std::vector<double>& values, std::string_view unit,
+                     const Range& range) override;
   void curve(const Key& key, Curve& curve, const CurveAxes& axes) override;
   void numbers_by_name(const Key& key, std::map<std::string, double>& values, const Range& range) override;
   void material(const Key& key, Index& index) override;

@@ -335,6 +335,7 @@ void Carpet::Impl::step(double dt, const Vec3Array& force, const Vec3Array* mome
       throw std::logic_error(fmt::format("carpet: {} loads for {} nodes", load->x.size(), nodes.size()));
   move(dt, force, moment);
   stop_on_instability(dt, force, moment);
+  if (!grips.nodes.empty()) book_grips(dt, force);
   last_step = dt;
   time += dt;
   ++steps;
@@ -359,6 +360,7 @@ CarpetEnergy Carpet::energy() const {
   for (const double work : c.elements.strain_work) energy.strain += work;
   for (const double work : c.elements.hourglass_work) energy.hourglass += work;
   energy.eroded = c.eroded_energy;
+  energy.external_work += c.grips.work - 0.5 * c.grips.last_work;
   for (const NodeSums& sums : c.nodes.sums) {
     energy.kinetic += sums.kinetic;
     energy.external_work += sums.external_work - 0.5 * sums.last_external_work;

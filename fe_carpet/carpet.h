@@ -89,6 +89,7 @@ class Carpet {
   /// the material bound below which a contact spring on the node cannot govern the step. One value a
   /// node. Mass scaling leaves it as it is: contact must not stiffen because mass was added.
   [[nodiscard]] std::span<const double> node_contact_stiffness() const;
+  [[nodiscard]] double last_step() const;  ///< s, length of the last step; 0 before the first
   /// One central-difference step. `force` (N, one per node) acts over the step; clamped nodes do not move and
   /// the reaction to their load is not reported. Throws RunError naming element or node on non-finite values.
   void step(double dt, const Vec3Array& force);
@@ -110,6 +111,20 @@ class Carpet {
   [[nodiscard]] Vec3 impulse_to_clamps() const;
   [[nodiscard]] std::uint64_t element_steps() const;
   void set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular);
+  /// Moves a node at this velocity (m/s) from now on, zero included: a grip. Its components must be held
+  /// (clamped, or ShellMesh::constraints) wherever the velocity is not zero; the work of what moves it enters
+  /// energy().external_work. Not with damping. To be said again
+  /// for the same nodes, in the same order, before load().
+  void drive(std::size_t node, const Vec3& velocity);
+  /// N, what holds the held components of a driven node on their way against the shells and the loads given:
+  /// as of the last force evaluation, at positions one step before nodes().
+  [[nodiscard]] Vec3 holding_force(std::size_t node) const;
+  /// What all driven nodes gave so far.
+  struct GripSums {
+    Vec3 impulse{0, 0, 0};  ///< N s
+    double exchanged = 0;   ///< N s, sum of the impulses' magnitudes
+  };
+  [[nodiscard]] GripSums grips() const;
   void set_position(std::size_t node,
                     const Vec3& position);  ///< for restoring a settled shape; before stepping only
 

@@ -123,6 +123,10 @@ void Carpet::save(h5::Group& group) const {
   group.write_scalar("time", c.time);
   group.write_scalar("damping", c.options.damping);
   group.write_scalar("steps", c.steps);
+  std::vector<double> grips{c.grips.work,        c.grips.last_work,   c.grips.impulse.x(),
+                            c.grips.impulse.y(), c.grips.impulse.z(), c.grips.exchanged};
+  for (const Vec3& force : c.grips.force) grips.insert(grips.end(), force.data(), force.data() + 3);
+  if (!c.grips.nodes.empty()) group.write("grips", std::span<const double>(grips));
   group.write_scalar("from_rest", static_cast<std::uint64_t>(c.from_rest));
 }
 
@@ -140,6 +144,8 @@ void Carpet::load(const h5::Group& group) {
   const std::vector<double> eroded = read_sized(group, "eroded", c.elements.eroded.size());
   const double eroded_energy = group.read_double("eroded_energy");
   const double last_step = group.read_double("last_step"), time = group.read_double("time");
+  std::vector<double> grips;
+  if (!c.grips.nodes.empty()) grips = read_sized(group, "grips", 6 + 3 * c.grips.nodes.size());
   const double damping = group.read_double("damping");
   const std::uint64_t steps = group.read_count("steps");
   const bool from_rest = group.read_count("from_rest") != 0;
@@ -151,6 +157,14 @@ void Carpet::load(const h5::Group& group) {
   restore_block_sums(strain_work, c.elements.strain_work);
   restore_block_sums(hourglass_work, c.elements.hourglass_work);
   c.eroded_energy = eroded_energy;
+  if (!grips.empty()) {
+    c.grips.work = grips[0];
+    c.grips.last_work = grips[1];
+    c.grips.impulse = Vec3(grips[2], grips[3], grips[4]);
+    c.grips.exchanged = grips[5];
+    for (std::size_t i = 0; i < c.grips.force.size(); ++i)
+      c.grips.force[i] = Vec3(grips[6 + 3 * i], grips[7 + 3 * i], grips[8 + 3 * i]);
+  }
   c.last_step = last_step;
   c.time = time;
   c.options.damping = damping;

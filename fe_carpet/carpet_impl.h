@@ -21,6 +21,18 @@ struct Carpet::Impl {
   void stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const;
   [[nodiscard]] double largest_frequency_squared() const;
 
+  void book_grips(double dt, const Vec3Array& force);
+  [[nodiscard]] Vec3 holding_force(std::size_t node, const Vec3Array& force) const;
+
+  /// Nodes that are driven, and what drives them (carpet_drive.cpp).
+  struct Grips {
+    std::vector<std::size_t> nodes;
+    std::vector<Vec3> force;         ///< N, per driven node, at the last force evaluation
+    double work = 0, last_work = 0;  ///< J; total includes that of the last step
+    Vec3 impulse{0, 0, 0};           ///< N s
+    double exchanged = 0;            ///< N s
+  } grips;
+
   ShellMesh mesh;
   std::vector<ShellMaterial> materials;
   CarpetOptions options;

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "fe_carpet/leg_shape.h"
+#include "rigs/component_run.h"
 #include "rigs/process_memory.h"
 #include "rigs/run.h"
 #include "rigs/run_state.h"
@@ -151,6 +152,7 @@ double clearance(const CarpetDesign& carpet) {
 }  // namespace
 
 RunPlan plan(const Scene& scene) {
+  if (scene.rig.is_component()) return plan_component(scene);
   RunPlan plan;
   plan.effects = decide_effects(scene);
   plan.remarks = coupler::carpet_mesh_notes(scene);

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/scene_reader.h"
 #include "coupler/layer_depth.h"
+#include "rigs/component_run.h"
 #include "rigs/process_memory.h"
 #include "rigs/run_state.h"
 #include "rigs/xdmf.h"
@@ -307,6 +308,7 @@ void Runner::measure() {
 }  // namespace
 
 RunSummary run(const RunRequest& request) {
+  if (request.scene.rig.is_component()) return run_component(request);
   return Runner(request).run();
 }
 

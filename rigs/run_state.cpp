@@ -15,17 +15,6 @@ std::uint64_t intervals_in(double duration, double interval) {
 
 constexpr std::uint64_t checkpoint_format = 3;
 
-/// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
-/// may not.
-std::string physics_hash(const Scene& scene) {
-  Scene bare = scene;
-  bare.file.clear();
-  bare.numerics.threads = 0;
-  bare.infill.dem.host.clear();
-  bare.infill.dem.use_cache = true;
-  return content_hash(write_scene(bare));
-}
-
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
     throw_input_error("{}: no checkpoint to resume from: start the scene again with tuft run", path.string());
@@ -52,6 +41,15 @@ h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) 
 }
 
 }  // namespace
+
+std::string physics_hash(const Scene& scene) {
+  Scene bare = scene;
+  bare.file.clear();
+  bare.numerics.threads = 0;
+  bare.infill.dem.host.clear();
+  bare.infill.dem.use_cache = true;
+  return content_hash(write_scene(bare));
+}
 
 Schedule make_schedule(const Scene& scene) {
   Schedule s;

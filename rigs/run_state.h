@@ -15,6 +15,10 @@
 
 namespace tuft::rigs {
 
+/// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
+/// may not.
+[[nodiscard]] std::string physics_hash(const Scene& scene);
+
 /// Everything is scheduled on a grid of output.histories: settling, drop, frames and checkpoints are whole
 /// numbers of its intervals, so that times do not drift and a resumed run meets the same instants.
 struct Schedule {
