@@ -28,6 +28,7 @@ constexpr std::array definitions{
     Definition{"shell_one_point_3pt", "element-steps/s", "element_steps", Pick::largest},
     Definition{"shell_full_elastic", "element-steps/s", "element_steps", Pick::largest},
     Definition{"shell_full_prony_3pt", "element-steps/s", "element_steps", Pick::largest},
+    Definition{"shell_full_prony_3pt_erosion", "element-steps/s", "element_steps", Pick::largest},
     Definition{"machine_memory", "bytes/s", "bytes", Pick::largest},
     Definition{"machine_memory_32mb", "bytes/s", "bytes", Pick::largest},
     Definition{"machine_arithmetic", "operations/s", "flops", Pick::largest},

@@ -71,7 +71,7 @@ def main():
     table = disassembly(program)
     base = min(table)
     print("case | instructions | operations | of these divisions and roots (per element-step)")
-    for case in range(4):
+    for case in range(5):
         name, few, short = run(program, case, 2)
         _, many, long = run(program, case, 6)
         instructions = flops = slow = 0

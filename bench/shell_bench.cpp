@@ -41,9 +41,14 @@ void shell_full_prony_3pt(benchmark::State& state) {
   step_field(state, 3);
 }
 
+void shell_full_prony_3pt_erosion(benchmark::State& state) {
+  step_field(state, 4);
+}
+
 BENCHMARK(shell_one_point_elastic)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(shell_one_point_3pt)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(shell_full_elastic)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(shell_full_prony_3pt)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(shell_full_prony_3pt_erosion)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// So many steps of one case of the shells' field and nothing else, for tools that count what a step executes
-/// (count_instructions.py): shell_step CASE STEPS, with CASE 0 to 3 as in fibre_field.h. Prints the number of
+/// (count_instructions.py): shell_step CASE STEPS, with CASE 0 to 4 as in fibre_field.h. Prints the number of
 /// element-steps.
 #include <cstdlib>
 #include <iostream>
