@@ -102,8 +102,11 @@ class TomlWriter final : public KeyVisitor {
   bool wants(const Key&, bool present) override { return present; }
 
  private:
+  /// Before the tables inside this one: after their headers a line would belong to them.
   void line(const Key& key, const std::string& value) {
-    fmt::format_to(std::back_inserter(text_), "{} = {}\n", key_text(key.name), value);
+    const std::string text = fmt::format("{} = {}\n", key_text(key.name), value);
+    text_.insert(end_of_lines_, text);
+    end_of_lines_ += text.size();
   }
   [[nodiscard]] std::string join(std::string_view name) const {
     return path_.empty() ? key_text(name) : fmt::format("{}.{}", path_, key_text(name));
@@ -113,6 +116,7 @@ class TomlWriter final : public KeyVisitor {
   }
 
   std::string& text_;
+  std::size_t end_of_lines_ = text_.size();
   std::string path_;
   const std::vector<Material>& known_;
 };
