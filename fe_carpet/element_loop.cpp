@@ -96,26 +96,6 @@ Pack advance_hourglass(const Law& law, const StateRows& rows, const ModeStiffnes
   return work;
 }
 
-/// Hourglass viscosity: the share `ratio` of what would damp each mode critically. In `spin` and its
-/// deviations there is none.
-ModeStiffness<Pack> mode_damping(const ShellFrame<Pack>& f, const ModeStiffness<Pack>& k, const Pack& mass,
-                                 const Pack& inertia_ratio, double ratio) {
-  using stdx::sqrt;
-  const auto damping = [ratio](const Pack& stiffness, const Pack& modal_mass) {
-    return 2 * ratio * sqrt(stiffness * modal_mass);
-  };
-  const Pack zero(0.0), inertia = mass * inertia_ratio;
-  return {damping(k.fibre_xi, mass * (f.x_xi * f.x_xi + f.y_xi * f.y_xi)),
-          damping(k.fibre_eta, mass * (f.x_eta * f.x_eta + f.y_eta * f.y_eta)),
-          damping(k.turn_xx, inertia),
-          zero,
-          damping(k.turn_yy, inertia),
-          damping(k.shear_xi_eta, mass),
-          damping(k.shear_eta_xi, mass),
-          zero,
-          zero};
-}
-
 /// Forces proportional to the modes' rates over a step. The rows keep those of the step before: the nodes do
 /// the work of the mean of both, which is returned.
 Pack damp_hourglass(const StateRows& rows, const ModeStiffness<Pack>& damping, double step,

@@ -24,6 +24,27 @@ TUFT_HD inline double rotary_inertia_ratio(double area, double thickness) {
   return area / 5 + 1.4 * thickness * thickness / 12;
 }
 
+/// Hourglass viscosity, in N m s and N s/m: the share `ratio` of what would damp each mode critically. In
+/// `spin` and its deviations there is none.
+template <class Real>
+TUFT_HD inline ModeStiffness<Real> mode_damping(const ShellFrame<Real>& f, const ModeStiffness<Real>& k,
+                                                const Real& mass, const Real& inertia_ratio, double ratio) {
+  using std::sqrt;
+  const auto damping = [ratio](const Real& stiffness, const Real& modal_mass) {
+    return Real(2 * ratio) * sqrt(stiffness * modal_mass);
+  };
+  const Real zero(0.0), inertia = mass * inertia_ratio;
+  return {damping(k.fibre_xi, mass * (f.x_xi * f.x_xi + f.y_xi * f.y_xi)),
+          damping(k.fibre_eta, mass * (f.x_eta * f.x_eta + f.y_eta * f.y_eta)),
+          damping(k.turn_xx, inertia),
+          zero,
+          damping(k.turn_yy, inertia),
+          damping(k.shear_xi_eta, mass),
+          damping(k.shear_eta_xi, mass),
+          zero,
+          zero};
+}
+
 /// Upper bound of the largest angular frequency squared (1/s^2) of a free element about a state without
 /// stress. mass: kg, of the element; inertia_ratio: rotary_inertia_ratio at the shape the inertia was made
 /// for; k: of the element's modes beyond the centre's strains.

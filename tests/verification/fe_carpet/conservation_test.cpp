@@ -1,6 +1,8 @@
 /// Momentum, drilling, and bits: what the loops must keep whatever the mesh does.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <filesystem>
 
@@ -178,10 +180,55 @@ CarpetOptions damped() {
   return options;
 }
 
-TEST_F(Turf, MovesBitForBitTheSameOnOneAndTwoThreads) {
+enum class Law { elastic, viscoelastic, orthotropic };
+
+std::vector<ShellMaterial> materials_of(Law law) {
+  std::vector<ShellMaterial> materials = turf_materials();
+  if (law == Law::viscoelastic)
+    for (ShellMaterial& m : materials) {
+      const double shear = m.young_modulus / (2 * (1 + m.poisson_ratio));
+      m.relaxation = {{0.2 * shear, 10}, {0.5 * shear, 1000}};
+    }
+  if (law == Law::orthotropic) {
+    materials[0].across_young_modulus = 0.05e9;
+    materials[0].shear_modulus = 0.01e9;
+    materials[0].along = {0.8, 0.6, 0};
+  }
+  return materials;
+}
+
+/// Element, hourglass control, points through the thickness, law.
+class TurfOfEveryKind
+    : public Turf,
+      public testing::WithParamInterface<std::tuple<ElementKind, HourglassControl, int, Law>> {
+ protected:
+  static CarpetOptions options() {
+    CarpetOptions o = damped();
+    o.section.element = std::get<0>(GetParam());
+    o.section.hourglass = std::get<1>(GetParam());
+    o.section.hourglass_coefficient = o.section.hourglass == HourglassControl::viscous ? 0.1 : 1;
+    o.section.thickness_points = std::get<2>(GetParam());
+    return o;
+  }
+  static std::vector<ShellMaterial> materials() { return materials_of(std::get<3>(GetParam())); }
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    OnePoint, TurfOfEveryKind,
+    testing::Combine(testing::Values(ElementKind::one_point),
+                     testing::Values(HourglassControl::stiffness, HourglassControl::viscous),
+                     testing::Values(1, 3),
+                     testing::Values(Law::elastic, Law::viscoelastic, Law::orthotropic)));
+INSTANTIATE_TEST_SUITE_P(FullyIntegrated, TurfOfEveryKind,
+                         testing::Combine(testing::Values(ElementKind::fully_integrated),
+                                          testing::Values(HourglassControl::stiffness), testing::Values(1, 3),
+                                          testing::Values(Law::elastic, Law::viscoelastic,
+                                                          Law::orthotropic)));
+
+TEST_P(TurfOfEveryKind, MovesBitForBitTheSameOnOneAndTwoThreads) {
   const ShellMesh mesh = small_turf();
   ASSERT_GT(mesh.quads.size(), 1000U) << "too small for threads to be used";
-  Carpet one(mesh, turf_materials(), damped()), two(mesh, turf_materials(), damped());
+  Carpet one(mesh, materials(), options()), two(mesh, materials(), options());
   shake(one);
   shake(two);
   set_threads(1);
@@ -191,27 +238,34 @@ TEST_F(Turf, MovesBitForBitTheSameOnOneAndTwoThreads) {
   expect_same_state(one, two);
 }
 
-TEST_F(Turf, GoesOnBitForBitFromACheckpoint) {
+TEST_P(TurfOfEveryKind, GoesOnBitForBitFromACheckpoint) {
   const ShellMesh mesh = small_turf();
-  for (const int points : {1, 3}) {
-    CarpetOptions options = damped();
-    options.section.thickness_points = points;
-    Carpet whole(mesh, turf_materials(), options), first_half(mesh, turf_materials(), options);
+  // With a stop right before, which leaves a mark, and without.
+  for (const bool stopped : {false, true}) {
+    Carpet whole(mesh, materials(), options()), first_half(mesh, materials(), options());
     shake(whole);
     shake(first_half);
-    run_turf(whole, 0, 200);
-    run_turf(first_half, 0, 100);
+    run_turf(whole, 0, 50);
+    run_turf(first_half, 0, 50);
+    if (stopped) {
+      whole.stop();
+      first_half.stop();
+    }
+    run_turf(whole, 50, 100);
     const std::filesystem::path path =
-        std::filesystem::path(testing::TempDir()) / "tuft_fe_carpet_checkpoint.h5";
+        std::filesystem::path(testing::TempDir()) /
+        fmt::format("tuft_fe_carpet_checkpoint_{}_{}_{}_{}.h5", static_cast<int>(std::get<0>(GetParam())),
+                    static_cast<int>(std::get<1>(GetParam())), std::get<2>(GetParam()),
+                    static_cast<int>(std::get<3>(GetParam())));
     {
       h5::File file = h5::File::create_atomically(path);
       h5::Group group = file.root().create_group("carpet");
       first_half.save(group);
       file.commit();
     }
-    Carpet second_half(mesh, turf_materials(), options);
+    Carpet second_half(mesh, materials(), options());
     second_half.load(h5::File::open(path).root().open_group("carpet"));
-    run_turf(second_half, 100, 200);
+    run_turf(second_half, 50, 100);
     expect_same_state(whole, second_half);
     std::filesystem::remove(path);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fe_carpet/carpet.h"
+#include "fe_carpet/orthotropic.h"
 #include "fe_carpet/stable_step.h"
 
 namespace tuft::fe::test {
@@ -12,13 +13,31 @@ namespace tuft::fe::test {
 /// Three translations and three rotations per node, and likewise forces and moments.
 using NodalVector = std::vector<std::array<double, 6>>;
 
-/// Elastic forces of one element's strains at its initial shape.
-inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const IsotropicLaw& law, double t,
-                                        const ShellSection& section, const ShellModes<double>& e) {
+/// The instantaneous law of any material in the axes of an element.
+inline OrthotropicLaw<double> law_of(const ShellMaterial& material, const ShellFrame<double>& f) {
+  if (material.orthotropic()) {
+    const Triple<double> along{material.along[0], material.along[1], material.along[2]};
+    return orthotropic_law(material, std::atan2(dot(f.axes.e2, along), dot(f.axes.e1, along)));
+  }
+  ShellMaterial same = material;
+  same.across_young_modulus = same.young_modulus;
+  same.shear_modulus = same.young_modulus / (2 * (1 + same.poisson_ratio));
+  return orthotropic_law(same, 0);
+}
+
+/// Elastic forces of one element's strains at its initial shape; `beyond` are the stiffnesses of the
+/// one-point element's hourglass modes.
+inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const OrthotropicLaw<double>& law,
+                                        double t, const ShellSection& section,
+                                        const ModeStiffness<double>& beyond, const ShellModes<double>& e) {
   ShellModes<double> s{};
   const ModeStiffness<double> k = mode_stiffness(law, f, t);
   const auto plane = [&](const SectionStrain<double>& strain) {
     SectionForces<double> forces{};
+    if (section.thickness_points == 3) {
+      std::array<double, 9> rows{};
+      return advance_section<3>(law, PointRows<double>{rows.data()}, t, strain);
+    }
     const PlaneStrain<double>&m = strain.membrane, &c = strain.curvature;
     const PlaneStress<double> n = law.stress(m.xx, m.yy, m.xy), b = law.stress(c.xx, c.yy, c.xy);
     const double inertia = t * t * t / 12;
@@ -43,13 +62,12 @@ inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const Isotr
     const double qyz = shear * (f.xi_y * e.shear_xi + f.eta_y * e.shear_eta);
     s.shear_xi = f.xi_x * qxz + f.xi_y * qyz;
     s.shear_eta = f.eta_x * qxz + f.eta_y * qyz;
-    const double c = section.hourglass == HourglassControl::stiffness ? section.hourglass_coefficient : 0;
-    s.fibre_xi = c * k.fibre_xi * e.fibre_xi;
-    s.fibre_eta = c * k.fibre_eta * e.fibre_eta;
-    s.turn_x = c * (k.turn_xx * e.turn_x + k.turn_xy * e.turn_y);
-    s.turn_y = c * (k.turn_xy * e.turn_x + k.turn_yy * e.turn_y);
-    s.shear_xi_eta = c * k.shear_xi_eta * e.shear_xi_eta;
-    s.shear_eta_xi = c * k.shear_eta_xi * e.shear_eta_xi;
+    s.fibre_xi = beyond.fibre_xi * e.fibre_xi;
+    s.fibre_eta = beyond.fibre_eta * e.fibre_eta;
+    s.turn_x = beyond.turn_xx * e.turn_x + beyond.turn_xy * e.turn_y;
+    s.turn_y = beyond.turn_xy * e.turn_x + beyond.turn_yy * e.turn_y;
+    s.shear_xi_eta = beyond.shear_xi_eta * e.shear_xi_eta;
+    s.shear_eta_xi = beyond.shear_eta_xi * e.shear_eta_xi;
     return s;
   }
   const FibrePair<double> fibre = fibre_pair(law, f);
@@ -66,13 +84,27 @@ inline ShellModes<double> elastic_modes(const ShellFrame<double>& f, const Isotr
 
 class LinearModel {
  public:
-  LinearModel(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials, const ShellSection& section)
+  /// Under viscous hourglass control K + (2/dt) C for steps of `dt`, s: these are stable while its largest
+  /// eigenvalue is under (2/dt)^2.
+  LinearModel(const ShellMesh& mesh, const std::vector<ShellMaterial>& materials, const ShellSection& section,
+              double dt = 1)
       : mesh_(mesh), section_(section), mass_(mesh.nodes.size(), 0.0), inertia_(mesh.nodes.size(), 0.0) {
-    for (const ShellMaterial& material : materials) law_.push_back(instantaneous_law(material));
     for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
       frame_.push_back(shell_frame(corner_modes(point(e, 0), point(e, 1), point(e, 2), point(e, 3))));
       const double area = frame_[e].area, t = mesh.thickness[e];
-      const double mass = materials[static_cast<std::size_t>(mesh.material[e])].density * t * area;
+      const ShellMaterial& material = materials[static_cast<std::size_t>(mesh.material[e])];
+      law_.push_back(law_of(material, frame_[e]));
+      const double mass = material.density * t * area;
+      ModeStiffness<double> k = mode_stiffness(law_[e], frame_[e], t);
+      double factor = section.hourglass_coefficient;
+      if (section.hourglass == HourglassControl::viscous) {
+        k = mode_damping(frame_[e], k, mass, rotary_inertia_ratio(area, t), section.hourglass_coefficient);
+        factor = 2 / dt;
+      }
+      for (double* mode :
+           {&k.fibre_xi, &k.fibre_eta, &k.turn_xx, &k.turn_xy, &k.turn_yy, &k.shear_xi_eta, &k.shear_eta_xi})
+        *mode *= factor;
+      beyond_.push_back(k);
       for (const Index n : mesh.quads[e]) {
         mass_[static_cast<std::size_t>(n)] += mass / 4;
         inertia_[static_cast<std::size_t>(n)] += mass / 4 * rotary_inertia_ratio(area, t);
@@ -84,9 +116,9 @@ class LinearModel {
   [[nodiscard]] NodalVector internal_forces(const NodalVector& u) const {
     NodalVector f(u.size(), {0, 0, 0, 0, 0, 0});
     for (std::size_t e = 0; e < mesh_.quads.size(); ++e) {
-      const IsotropicLaw& law = law_[static_cast<std::size_t>(mesh_.material[e])];
-      const ShellForces<double> s =
-          nodal_forces(frame_[e], elastic_modes(frame_[e], law, mesh_.thickness[e], section_, strains(e, u)));
+      const ShellForces<double> s = nodal_forces(
+          frame_[e],
+          elastic_modes(frame_[e], law_[e], mesh_.thickness[e], section_, beyond_[e], strains(e, u)));
       constexpr std::array<double, 4> xi{-1, 1, 1, -1}, eta{-1, -1, 1, 1}, h{1, -1, 1, -1};
       for (std::size_t c = 0; c < 4; ++c) {
         auto& v = f[static_cast<std::size_t>(mesh_.quads[e][c])];
@@ -151,7 +183,8 @@ class LinearModel {
 
   ShellMesh mesh_;
   ShellSection section_;
-  std::vector<IsotropicLaw> law_;
+  std::vector<OrthotropicLaw<double>> law_;  // per element
+  std::vector<ModeStiffness<double>> beyond_;
   std::vector<ShellFrame<double>> frame_;
   std::vector<double> mass_, inertia_;
 };
