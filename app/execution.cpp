@@ -45,8 +45,10 @@ AttendedRun::AttendedRun(rigs::RunRequest& request, const std::string& title)
     throw_input_error("{}: cannot be written; make the folder writable or choose another --out",
                       file.string());
   }
-  spdlog::info("{} '{}' with {} infill", request.resume ? "resuming" : "running", request.scene.info.name,
-               request.scene.infill.approach == Approach::sph ? "sph" : "dem");
+  spdlog::info("{} '{}' with {}", request.resume ? "resuming" : "running", request.scene.info.name,
+               request.scene.rig.is_component()                 ? "rig " + request.scene.rig.type
+               : request.scene.infill.approach == Approach::sph ? "sph infill"
+                                                                : "dem infill");
   request.on_progress = [display = display_, log = ProgressLog()](const rigs::Progress& progress) mutable {
     display->show(progress);
     log.note(progress);

@@ -22,6 +22,12 @@ void make_labels_unique(std::vector<RunData>& runs) {
   }
 }
 
+std::string body_of(const Runs& runs) {
+  if (all_of_components(runs)) return report_tension(runs) + report_cost(runs) + report_tension_inputs(runs);
+  return report_results(runs) + report_curves(runs) + report_sections(runs) + report_energy(runs) +
+         report_cost(runs) + report_effects(runs) + report_inputs(runs);
+}
+
 }  // namespace
 
 std::string run_style(const Runs& runs, std::size_t index) {
@@ -50,9 +56,8 @@ std::string report_page(const std::vector<RunData>& runs) {
              "tuft</title>\n"
              "<style>{}</style>\n</head>\n<body>\n<main>\n",
              escape_html(name), report_style()) +
-         report_head(runs) + report_results(runs) + report_curves(runs) + report_sections(runs) +
-         report_energy(runs) + report_cost(runs) + report_effects(runs) + report_inputs(runs) +
-         "</main>\n<script>" + report_script() + "</script>\n</body>\n</html>\n";
+         report_head(runs) + body_of(runs) + "</main>\n<script>" + report_script() +
+         "</script>\n</body>\n</html>\n";
 }
 
 void write_report(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& file) {

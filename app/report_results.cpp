@@ -34,9 +34,9 @@ std::string describe_turf(const Scene& scene, bool fibres) {
   const std::string pile =
       fibres && !carpet.mesh.file.empty() ? fmt::format("carpet from {}", escape_html(carpet.mesh.file))
       : fibres ? fmt::format("pile {} mm, gauge {} mm, stitch {} mm, {} strands a tuft",
-                           format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
-                           format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft)
-             : std::string("no fibres (effect switched off)");
+                             format_input(1e3 * carpet.pile_length), format_input(1e3 * carpet.gauge),
+                             format_input(1e3 * carpet.stitch_spacing), carpet.strands_per_tuft)
+               : std::string("no fibres (effect switched off)");
   return fmt::format("{} × {} mm patch; infill from the bottom: {}; {}",
                      format_input(1e3 * scene.turf.size[0]), format_input(1e3 * scene.turf.size[1]), layers,
                      pile);
@@ -89,7 +89,9 @@ std::string report_head(const Runs& runs) {
   std::set<std::string> versions;
   for (const RunData& run : runs) versions.insert(run.summary.version);
   std::string text = fmt::format("<header>\n<h1>{}</h1>\n", escape_html(first.summary.scene_name));
-  if (first.scene) {
+  if (first.scene && first.scene->rig.is_component()) {
+    text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n", describe_tension_rig(*first.scene));
+  } else if (first.scene) {
     text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n<dt>Turf</dt><dd>{}</dd>\n",
                         describe_rig(*first.scene), describe_turf(*first.scene, has_fibres(first)));
   } else {

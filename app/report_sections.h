@@ -20,6 +20,12 @@ using Runs = std::vector<RunData>;
 [[nodiscard]] std::string report_effects(const Runs& runs);   ///< named effects and why
 [[nodiscard]] std::string report_inputs(const Runs& runs);    ///< settings and materials
 
+/// Runs of rigs that test the carpet alone have a page of their own: results, curves and energy in one.
+[[nodiscard]] bool all_of_components(const Runs& runs);
+[[nodiscard]] std::string describe_tension_rig(const Scene& scene);
+[[nodiscard]] std::string report_tension(const Runs& runs);
+[[nodiscard]] std::string report_tension_inputs(const Runs& runs);
+
 /// CSS class of a run's colour: SPH and DEM keep theirs on every page where each occurs once.
 [[nodiscard]] std::string run_style(const Runs& runs, std::size_t index);
 /// Time zero of a run's curves: first touch, else release. s since release.

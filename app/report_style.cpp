@@ -84,7 +84,7 @@ document.querySelectorAll('figure.plot svg[data-x]').forEach(svg => {
     if (at < X[2] || at > X[3]) return;
     cursor.setAttribute('x1', at); cursor.setAttribute('x2', at);
     svg.append(cursor); svg.parentNode.append(out);
-    out.textContent = value(at, X).toPrecision(3) + ' ms   ' + curves.map(c => {
+    out.textContent = value(at, X).toPrecision(3) + ' ' + (svg.dataset.unit || 'ms') + '   ' + curves.map(c => {
       const near = c.points.reduce((a, b) => Math.abs(b[0] - at) < Math.abs(a[0] - at) ? b : a);
       return Math.abs(near[0] - at) > 8 ? '' : c.label + ' ' + value(near[1], Y).toPrecision(3);
     }).filter(Boolean).join('   ');

@@ -142,6 +142,12 @@ std::string legend(const Plot& plot) {
   return text + "</p>\n";
 }
 
+/// What stands in brackets in an axis' label.
+std::string unit_of(const std::string& label) {
+  const std::size_t open = label.rfind('['), close = label.rfind(']');
+  return open == std::string::npos || close < open ? "" : label.substr(open + 1, close - open - 1);
+}
+
 }  // namespace
 
 std::vector<double> round_ticks(double low, double high, int most) {
@@ -204,9 +210,10 @@ std::string svg_plot(const Plot& plot) {
   std::string text = fmt::format("<figure class=\"plot\" id=\"{}\">\n{}", plot.id, legend(plot));
   text += fmt::format(
       "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{} against {}\" data-x=\"{:.6g} {:.6g} "
-      "{:.1f} {:.1f}\" data-y=\"{:.6g} {:.6g} {:.1f} {:.1f}\">\n",
+      "{:.1f} {:.1f}\" data-y=\"{:.6g} {:.6g} {:.1f} {:.1f}\" data-unit=\"{}\">\n",
       plot.width, plot.height, escape_html(plot.y_label), escape_html(plot.x_label), x.low, x.high,
-      x.pixel_low, x.pixel_high, y.low, y.high, y.pixel_low, y.pixel_high);
+      x.pixel_low, x.pixel_high, y.low, y.high, y.pixel_low, y.pixel_high,
+      escape_html(unit_of(plot.x_label)));
   text += axes(plot, x, y);
   text += fmt::format(
       "<svg x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" viewBox=\"{0:.1f} {1:.1f} "

@@ -12,9 +12,13 @@ namespace {
 int check(const SceneArguments& arguments) {
   const Scene scene = read_scene_arguments(arguments);
   const rigs::RunPlan plan = rigs::plan(scene);
-  fmt::print("{}: {} infill, {} particles, {} shells, {} windows of {}\n", arguments.scene,
-             scene.infill.approach == Approach::sph ? "SPH" : "DEM", format_count(plan.particles),
-             format_count(plan.shells), format_count(plan.windows), format_quantity(plan.window, "s"));
+  if (scene.rig.is_component())
+    fmt::print("{}: {}, {} shells, {} steps of {}\n", arguments.scene, scene.rig.type,
+               format_count(plan.shells), format_count(plan.windows), format_quantity(plan.carpet_step, "s"));
+  else
+    fmt::print("{}: {} infill, {} particles, {} shells, {} windows of {}\n", arguments.scene,
+               scene.infill.approach == Approach::sph ? "SPH" : "DEM", format_count(plan.particles),
+               format_count(plan.shells), format_count(plan.windows), format_quantity(plan.window, "s"));
   for (const std::string& remark : plan.remarks) fmt::print("note: {}\n", remark);
   fmt::print("ok\n");
   return 0;

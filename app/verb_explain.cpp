@@ -42,13 +42,36 @@ std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
                                     format_quantity(scene.info.duration, "s"));
 }
 
+/// Of a rig that tests the carpet alone.
+void explain_component(const Scene& scene, const rigs::RunPlan& plan) {
+  fmt::print("{} ({})\n", scene.info.name, scene.rig.type);
+  TextTable tests({"", "gauge length", "test", "strain to"});
+  const TensionRig& rig = scene.rig.tension;
+  for (std::size_t i = 0; i < rig.rates.size(); ++i)
+    tests.add(
+        {fmt::format("{:g} 1/s", rig.rates[i]),
+         format_quantity(rig.gauge_lengths.size() == 1 ? rig.gauge_lengths[0] : rig.gauge_lengths[i], "m"),
+         format_quantity(rig.strain_limit / rig.rates[i], "s"), format_percent(rig.strain_limit)});
+  TextTable sizes;
+  sizes.add({"width", format_quantity(rig.width, "m")});
+  sizes.add({"shell elements", format_count(plan.shells)});
+  sizes.add({"shell nodes", format_count(plan.nodes)});
+  sizes.add({"smallest step at first", format_quantity(plan.carpet_step, "s")});
+  sizes.add({"steps, about", format_count(plan.windows)});
+  fmt::print("\nTests\n{}\nSizes\n{}", tests.text(), sizes.text());
+}
+
 int explain(const SceneArguments& arguments) {
   const Scene scene = read_scene_arguments(arguments);
   const rigs::RunPlan plan = rigs::plan(scene);
-  fmt::print("{} ({} infill)\n", scene.info.name, scene.infill.approach == Approach::sph ? "SPH" : "DEM");
-  fmt::print("\nEffects\n{}", effects_table(plan));
-  fmt::print("\nSizes\n{}", sizes_table(scene, plan));
-  fmt::print("\nSteps\n{}", steps_table(scene, plan));
+  if (scene.rig.is_component()) {
+    explain_component(scene, plan);
+  } else {
+    fmt::print("{} ({} infill)\n", scene.info.name, scene.infill.approach == Approach::sph ? "SPH" : "DEM");
+    fmt::print("\nEffects\n{}", effects_table(plan));
+    fmt::print("\nSizes\n{}", sizes_table(scene, plan));
+    fmt::print("\nSteps\n{}", steps_table(scene, plan));
+  }
   TextTable cost;
   cost.add({"wall time", format_duration(plan.predicted_wall_s)});
   cost.add({"memory", format_bytes(plan.predicted_memory_bytes)});

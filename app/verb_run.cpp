@@ -20,6 +20,7 @@ int run(const RunArguments& arguments) {
   rigs::RunRequest request;
   request.scene = read_scene_arguments(arguments.scene);
   const char* approach = request.scene.infill.approach == Approach::sph ? "sph" : "dem";
+  if (request.scene.rig.is_component()) approach = "fe";
   request.folder = arguments.folder.empty() ? fmt::format("out/{}-{}", request.scene.info.name, approach)
                                             : arguments.folder;
   request.stop_after_checkpoints = arguments.stop_after_checkpoints;

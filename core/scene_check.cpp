@@ -1,5 +1,6 @@
 #include "core/scene_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -174,6 +175,9 @@ void complete_tension(Scene& scene, const Places& places) {
   if (rig.gauge_lengths.size() != 1 && rig.gauge_lengths.size() != rig.rates.size())
     places.fail("rig.gauge_lengths", fmt::format("{} lengths for {} rates; give one for all, or one for each",
                                                  rig.gauge_lengths.size(), rig.rates.size()));
+  for (std::size_t i = 0; i < rig.rates.size(); ++i)
+    if (std::count(rig.rates.begin(), rig.rates.end(), rig.rates[i]) > 1)
+      places.fail(fmt::format("rig.rates.{}", i), "given twice; leave one out");
   const CarpetDesign& carpet = scene.turf.carpet;
   if (!carpet.mesh.file.empty())
     places.fail("turf.carpet.mesh",
