@@ -301,6 +301,17 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
 
+/// Forces in the thickness that the step has led to: one for all points, as the state has. Were each point
+/// thinned by its own strain of the step, which the next step forgets, a strip under tension N would have
+/// forces -N nu' (rate of in-plane bending) dt: damping below zero, that grows until the element breaks.
+void thin_forces(const Pack& stretch, ShellModes<Pack>& s) {
+  const Pack square = stretch * stretch;
+  for (Pack* force : {&s.exx, &s.eyy, &s.gxy, &s.fibre_xi, &s.fibre_eta, &s.shear_xi, &s.shear_xi_eta,
+                      &s.shear_eta, &s.shear_eta_xi})
+    *force = stretch * *force;
+  for (Pack* moment : {&s.kxx, &s.kyy, &s.kxy, &s.turn_x, &s.turn_y}) *moment = square * *moment;
+}
+
 template <int Points, class Law>
 void update_full(ElementArrays& elements, const ElementFamily& family, const Law& law,
                  const NodeMotion& nodes, double last_step, std::size_t batch, std::size_t block,
@@ -321,7 +332,7 @@ void update_full(ElementArrays& elements, const ElementFamily& family, const Law
 
   const std::size_t sr = law.shear_rows(), point_rows = 2 * sr + section_rows<Points>(law);
   const FibrePair<Pack> before = fibre_pair(law, step.middle), after = fibre_pair(law, step.end);
-  Pack stretch(0.0);
+  Pack strain_work(0.0), thickness_strain(0.0);
   for (std::size_t p = 0; p < 4; ++p) {
     const double xi = p == 0 || p == 3 ? -gauss : gauss, eta = p < 2 ? -gauss : gauss;
     const PointShape<Pack> shape = point_shape(step.middle, xi, eta);
@@ -329,17 +340,20 @@ void update_full(ElementArrays& elements, const ElementFamily& family, const Law
     const StateRows point = rows.from(drilling_rows + p * point_rows);
     const ShearAdvance<Pack> xz = law.template advance_shear<Pack>(point, e.gxz);
     const ShearAdvance<Pack> yz = law.template advance_shear<Pack>(point.from(sr), e.gyz);
-    const ThinnedSection section = advance_thinned<Points, Law>(law, point.from(2 * sr), t, e.section);
-    works.strain += shape.j.determinant * (section.forces.work + t * (xz.mean * e.gxz + yz.mean * e.gyz));
-    stretch += 0.25 * section.stretch;
-    const Pack thinned = t * section.stretch;
-    add_point_forces(point_shape(step.end, xi, eta), after, section.forces, thinned * xz.stress,
-                     thinned * yz.stress, xi, eta, s);
+    const SectionForces<Pack> section =
+        advance_section<Points, Law, Pack>(law, point.from(2 * sr), t, e.section);
+    strain_work += shape.j.determinant * (section.work + t * (xz.mean * e.gxz + yz.mean * e.gyz));
+    thickness_strain += 0.25 * section.thickness_strain;
+    add_point_forces(point_shape(step.end, xi, eta), after, section, t * xz.stress, t * yz.stress, xi, eta,
+                     s);
     if (family.failure_points > 0)
       principal_strain =
           stdx::max(principal_strain, advance_strain<Pack>(strain_rows(family, rows, p), e.section,
                                                            (0.5 * outermost_height<Points>()) * t));
   }
+  works.strain += (1.0 + 0.5 * thickness_strain) * strain_work;
+  const Pack stretch = 1.0 + thickness_strain;
+  thin_forces(stretch, s);
   if (family.failure_points > 0)
     follow_failure(elements, family, batch, block, before_step, works, principal_strain, step.de, s);
   works.uprightness = stdx::min(works.uprightness, uprightness(step.middle, step.end));
