@@ -147,13 +147,14 @@ void describe_carpet(KeyVisitor& keys, CarpetDesign& carpet) {
   keys.table({"body_friction", "of fibres and backing on rig bodies and the tray"},
              [&](KeyVisitor& inside) { describe_friction(inside, carpet.body_friction); });
   keys.table({"fibre", "material and shells of the strands"}, [&](KeyVisitor& inside) {
-    describe_shell_material(inside, carpet.fibre);
+    // The list of relaxation terms comes last: keys behind it would belong to its last item when written.
     describe_shell_section(inside, carpet.fibre_section);
+    describe_shell_material(inside, carpet.fibre);
   });
   keys.table({"backing", "material and shells of the backing"}, [&](KeyVisitor& inside) {
-    describe_shell_material(inside, carpet.backing);
-    describe_orthotropic(inside, carpet.backing);
     describe_shell_section(inside, carpet.backing_section);
+    describe_orthotropic(inside, carpet.backing);
+    describe_shell_material(inside, carpet.backing);
   });
 }
 

@@ -101,5 +101,16 @@ TEST(Report, OfAFolderWithoutARunIsRefused) {
   expect_bad_input(run_tuft({"report", place.path("")}), {"no summary.json"});
 }
 
+TEST(BadInput, OfATensionRigIsNamedInOneLine) {
+  const std::string scene = "inputs/strand_tension.toml";
+  expect_bad_input(run_tuft({"check", scene, "--set", "rig.gauge=40 mm"}), {"rig.gauge", "unknown key"});
+  expect_bad_input(run_tuft({"check", scene, "--set", "rig.mass=2 kg"}), {"rig.mass", "not for the rig"});
+  expect_bad_input(run_tuft({"check", scene, "--infill", "dem"}), {"infill", "not for the rig"});
+  expect_bad_input(run_tuft({"check", scene, "--set", "rig.rates=[\"0.1 Hz\", \"1 Hz\"]"}),
+                   {"rig.gauge_lengths", "3 lengths for 2 rates"});
+  expect_bad_input(run_tuft({"check", "inputs/clegg_small.toml", "--set", "rig.strain_limit=0.5"}),
+                   {"rig.strain_limit", "not for the rig"});
+}
+
 }  // namespace
 }  // namespace tuft::test

@@ -27,6 +27,7 @@ std::vector<fs::path> scenes() {
 TEST(Inputs, EverySceneReadsWithBothApproaches) {
   ASSERT_GE(scenes().size(), 2u);
   for (const fs::path& file : scenes()) {
+    if (read_scene(file).rig.is_component()) continue;  // no infill to choose an approach for
     for (const std::string approach : {"sph", "dem"})
       EXPECT_NO_THROW((void)read_scene(file, {{"infill.approach", approach}})) << file << " " << approach;
   }
