@@ -144,6 +144,12 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
   for (std::size_t m = 0; m < materials.size(); ++m)
     wave_speed = std::max(wave_speed, std::sqrt(stiffest_direct(materials[m]) / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());
+  if (!options.subcycle) return;
+  const std::vector<double> steps_of = steps_of_materials();
+  Subcycling made = make_subcycling(mesh, elements, steps_of);
+  if (made.slow.empty()) return;
+  made.every = fe::subcycle_ratio(made, steps_of);
+  subcycling = std::move(made);
 }
 
 double Carpet::Impl::largest_frequency_squared() const {
@@ -158,7 +164,12 @@ double Carpet::Impl::largest_frequency_squared() const {
 
 /// Strains and stresses up to the present positions, so that velocities may change.
 void Carpet::Impl::settle_elements() {
-  update_elements();
+  if (subcycling) {
+    update_groups(true, 1);
+    subcycling->drifted = 0;
+  } else {
+    update_elements();
+  }
   stop_on_inverted_element();
   last_step = 0;
 }
@@ -176,6 +187,7 @@ void Carpet::Impl::update_elements() {
 
 /// Elements write their own corners, then nodes gather them: no two threads write one value.
 void Carpet::Impl::move(double dt, const Vec3Array& force, const Vec3Array* moment) {
+  if (subcycling) return move_subcycled(dt, force, moment);
   const NodeStep node_step{dt, options.damping, options.gravity, from_rest ? 0.5 : 0.0};
   from_rest = false;
   update_elements();
@@ -227,7 +239,9 @@ Index find_bad_element(const ElementArrays& elements) {
 /// Positions that are not finite are for the check that follows the step.
 void Carpet::Impl::stop_on_inverted_element() const {
   if (*std::min_element(elements.uprightness.begin(), elements.uprightness.end()) > 0) return;
-  const Index element = find_inverted_element(elements, nodes.motion, last_step);
+  Index element = find_inverted_element(elements, nodes.motion, last_step);
+  if (element < 0 && subcycling)
+    element = find_inverted_element(elements, subcycling->window, subcycling->drifted);
   if (element < 0 ||
       !nodes.motion.position[static_cast<std::size_t>(mesh.quads[static_cast<std::size_t>(element)][0])]
            .allFinite())
@@ -296,6 +310,25 @@ NodeView Carpet::nodes() const {
 
 double Carpet::stable_step() const {
   return 2 / std::sqrt(impl_->largest_frequency_squared());
+}
+
+std::vector<double> Carpet::stable_steps_of_materials() const {
+  return impl_->steps_of_materials();
+}
+
+int Carpet::subcycle_ratio() const {
+  return impl_->subcycling ? fe::subcycle_ratio(*impl_->subcycling, impl_->steps_of_materials()) : 1;
+}
+
+void Carpet::set_subcycle(int steps) {
+  if (!impl_->subcycling && steps == 1) return;
+  if (steps < 1 || !impl_->subcycling || impl_->subcycling->steps != 0)
+    throw std::logic_error(fmt::format("carpet: subcycling of {} steps cannot be set here", steps));
+  impl_->subcycling->every = steps;
+}
+
+int Carpet::subcycle() const {
+  return impl_->subcycling ? impl_->subcycling->every : 1;
 }
 
 const MassScaling& Carpet::mass_scaling() const {
@@ -389,7 +422,10 @@ Vec3 Carpet::impulse_to_clamps() const {
 }
 
 std::uint64_t Carpet::element_steps() const {
-  return impl_->steps * impl_->elements.element_count;
+  const Impl& c = *impl_;
+  if (!c.subcycling) return c.steps * c.elements.element_count;
+  return c.steps * (c.elements.element_count - c.subcycling->slow_elements) +
+         c.subcycling->slow_evaluations * c.subcycling->slow_elements;
 }
 
 void Carpet::set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular) {
@@ -408,6 +444,7 @@ void Carpet::set_position(std::size_t node, const Vec3& position) {
   if (node >= impl_->nodes.size()) throw std::logic_error(fmt::format("carpet: no node {}", node));
   if (impl_->steps > 0) throw std::logic_error("carpet: positions can be set before the first step only");
   impl_->nodes.motion.position.set(node, position);
+  if (impl_->subcycling) impl_->subcycling->window.position.set(node, position);
 }
 
 }  // namespace tuft::fe
