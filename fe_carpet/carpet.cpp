@@ -144,12 +144,7 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
   for (std::size_t m = 0; m < materials.size(); ++m)
     wave_speed = std::max(wave_speed, std::sqrt(stiffest_direct(materials[m]) / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());
-  if (!options.subcycle) return;
-  const std::vector<double> steps_of = steps_of_materials();
-  Subcycling made = make_subcycling(mesh, elements, steps_of);
-  if (made.slow.empty()) return;
-  made.every = fe::subcycle_ratio(made, steps_of);
-  subcycling = std::move(made);
+  if (options.subcycle) split_off_slow_elements();
 }
 
 double Carpet::Impl::largest_frequency_squared() const {
@@ -313,11 +308,17 @@ double Carpet::stable_step() const {
 }
 
 std::vector<double> Carpet::stable_steps_of_materials() const {
-  return impl_->steps_of_materials();
+  std::vector<double> steps = impl_->steps_of_families();
+  for (std::size_t f = impl_->materials.size(); f < steps.size(); ++f) {
+    double& all = steps[impl_->subcycling->material[f - impl_->materials.size()]];
+    all = std::min(all, steps[f]);
+  }
+  steps.resize(impl_->materials.size());
+  return steps;
 }
 
 int Carpet::subcycle_ratio() const {
-  return impl_->subcycling ? fe::subcycle_ratio(*impl_->subcycling, impl_->steps_of_materials()) : 1;
+  return impl_->subcycling ? fe::subcycle_ratio(*impl_->subcycling, impl_->steps_of_families()) : 1;
 }
 
 void Carpet::set_subcycle(int steps) {

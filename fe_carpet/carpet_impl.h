@@ -22,7 +22,8 @@ struct Carpet::Impl {
   void stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const;
   [[nodiscard]] double largest_frequency_squared() const;
   // subcycling.cpp
-  [[nodiscard]] std::vector<double> steps_of_materials() const;
+  [[nodiscard]] std::vector<double> steps_of_families() const;
+  void split_off_slow_elements();
   void update_groups(bool all, double impulse);
   void move_subcycled(double dt, const Vec3Array& force, const Vec3Array* moment);
 

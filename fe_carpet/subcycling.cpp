@@ -12,6 +12,15 @@ namespace {
 
 constexpr std::size_t threads_pay_above = 1000;
 
+/// Elements of a slow material that are evaluated with the fast ones, counted from these. A kick on a node
+/// that fast elements share drives their modes, in resonance where a whole number of half periods fits a
+/// window (Fong, Darve & Lew 2008): strips of two parts then grew at every ratio. Above the highest frequency
+/// of the slow elements a wave dies out within one of them, and with one layer no growth was found
+/// (docs/theory/shells.md).
+constexpr int buffer_layers = 1;
+/// Of the slow elements' own step, that a window may take.
+constexpr double outer_share = 0.8;
+
 /// Longer windows gain nothing more: the slow elements cost 1/m of what they did.
 constexpr int longest_window = 32;
 
@@ -40,12 +49,8 @@ void Subcycling::drift(const NodeMotion& motion, double dt) {
 }
 
 Subcycling make_subcycling(const ShellMesh& mesh, const ElementArrays& elements,
-                           std::span<const double> step_of_material) {
+                           std::vector<std::uint8_t> slow) {
   Subcycling s;
-  const double fastest = *std::min_element(step_of_material.begin(), step_of_material.end());
-  std::vector<std::uint8_t> slow;
-  for (const double step : step_of_material) slow.push_back(std::isfinite(step) && step >= 2 * fastest);
-  if (std::find(slow.begin(), slow.end(), 1) == slow.end()) return s;
   s.slow = std::move(slow);
   for (std::size_t b = 0; b < elements.block.size(); ++b)
     if (!s.slow[elements.block[b].family]) s.fast_blocks.push_back(b);
@@ -55,7 +60,7 @@ Subcycling make_subcycling(const ShellMesh& mesh, const ElementArrays& elements,
   std::vector<std::vector<Index>> corners(count);
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
     const auto slot = static_cast<std::size_t>(elements.slot[e]);
-    const bool is_slow = s.slow[static_cast<std::size_t>(mesh.material[e])] != 0;
+    const bool is_slow = s.slow[static_cast<std::size_t>(elements.batch_family[slot / lanes])] != 0;
     s.slow_elements += is_slow;
     for (std::size_t corner = 0; corner < 4; ++corner) {
       const auto n = static_cast<std::size_t>(mesh.quads[e][corner]);
@@ -79,15 +84,57 @@ Subcycling make_subcycling(const ShellMesh& mesh, const ElementArrays& elements,
   return s;
 }
 
-int subcycle_ratio(const Subcycling& subcycling, std::span<const double> step_of_material) {
-  double fast = std::numeric_limits<double>::infinity(), slow = fast;
-  for (std::size_t m = 0; m < subcycling.slow.size(); ++m)
-    (subcycling.slow[m] ? slow : fast) = std::min(subcycling.slow[m] ? slow : fast, step_of_material[m]);
-  if (!(slow > fast)) return 1;
-  return static_cast<int>(std::min<double>(longest_window, std::floor(slow / fast * (1 + 1e-12))));
+SlowFamilies split_slow_families(const ShellMesh& mesh, std::span<const double> step_of_material) {
+  SlowFamilies split;
+  split.material = mesh.material;
+  const std::size_t materials = step_of_material.size();
+  const double fastest = *std::min_element(step_of_material.begin(), step_of_material.end());
+  std::vector<Index> family_of_slow(materials, -1);
+  for (std::size_t m = 0; m < materials; ++m)
+    if (std::isfinite(step_of_material[m]) && step_of_material[m] >= 2 * fastest / outer_share) {
+      family_of_slow[m] = static_cast<Index>(materials + split.copied.size());
+      split.copied.push_back(m);
+    }
+  if (split.copied.empty()) return split;
+
+  const auto is_slow = [&](std::size_t e) {
+    return family_of_slow[static_cast<std::size_t>(mesh.material[e])] >= 0;
+  };
+  std::vector<std::uint8_t> near(mesh.nodes.size(), 0);
+  const auto mark = [&](std::size_t e) {
+    for (const Index n : mesh.quads[e]) near[static_cast<std::size_t>(n)] = 1;
+  };
+  const auto touches = [&](std::size_t e) {
+    for (const Index n : mesh.quads[e])
+      if (near[static_cast<std::size_t>(n)]) return true;
+    return false;
+  };
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    if (!is_slow(e)) mark(e);
+  for (int layer = 1; layer < buffer_layers; ++layer) {
+    std::vector<std::size_t> reached;
+    for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+      if (touches(e)) reached.push_back(e);
+    for (const std::size_t e : reached) mark(e);
+  }
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e)
+    if (is_slow(e) && !touches(e)) {
+      split.material[e] = family_of_slow[static_cast<std::size_t>(mesh.material[e])];
+      ++split.elements;
+    }
+  return split;
 }
 
-std::vector<double> Carpet::Impl::steps_of_materials() const {
+int subcycle_ratio(const Subcycling& subcycling, std::span<const double> step_of_family) {
+  double fast = std::numeric_limits<double>::infinity(), slow = fast;
+  for (std::size_t m = 0; m < subcycling.slow.size(); ++m)
+    (subcycling.slow[m] ? slow : fast) = std::min(subcycling.slow[m] ? slow : fast, step_of_family[m]);
+  if (!(slow > fast)) return 1;
+  return static_cast<int>(
+      std::min<double>(longest_window, std::floor(outer_share * slow / fast * (1 + 1e-12))));
+}
+
+std::vector<double> Carpet::Impl::steps_of_families() const {
   std::vector<double> step_of;
   for (const ElementFamily& family : elements.family) {
     const std::size_t first = family.first_batch, last = first + family.batch_count;
@@ -101,6 +148,28 @@ std::vector<double> Carpet::Impl::steps_of_materials() const {
     step_of.push_back(largest > 0 ? 2 / std::sqrt(largest) : std::numeric_limits<double>::infinity());
   }
   return step_of;
+}
+
+void Carpet::Impl::split_off_slow_elements() {
+  const SlowFamilies split = split_slow_families(mesh, steps_of_families());
+  if (split.elements == 0) return;
+  ShellMesh grouped = mesh;
+  grouped.material = split.material;
+  std::vector<ShellMaterial> laws = materials;
+  CarpetOptions sections = options;
+  sections.sections.resize(materials.size(), options.section);
+  std::vector<std::uint8_t> slow(materials.size(), 0);
+  for (const std::size_t m : split.copied) {
+    laws.push_back(materials[m]);
+    sections.sections.push_back(sections.sections[m]);
+    slow.push_back(1);
+  }
+  elements = make_element_arrays(grouped, laws, sections);
+  mass_scaling = scale_masses(elements, mesh.nodes, options.mass_scaling_limit);
+  nodes = make_node_arrays(mesh, elements);
+  subcycling = make_subcycling(mesh, elements, std::move(slow));
+  for (const std::size_t m : split.copied) subcycling->material.push_back(m);
+  subcycling->every = fe::subcycle_ratio(*subcycling, steps_of_families());
 }
 
 /// As update_elements, with the slow elements only when `all`; their corner forces are multiplied by

@@ -13,7 +13,8 @@ namespace tuft::fe {
 
 /// A group of elements is a material: what a mesh made elsewhere has too.
 struct Subcycling {
-  std::vector<std::uint8_t> slow;  ///< per family
+  std::vector<std::uint8_t> slow;     ///< per family
+  std::vector<std::size_t> material;  ///< of the mesh, of each slow family; these come last
   std::vector<std::size_t> fast_blocks;
   std::vector<Index> nodes;                        ///< of slow elements
   std::vector<Index> first_corner, corner_offset;  ///< as in NodeArrays, of the fast elements alone
@@ -33,12 +34,21 @@ struct Subcycling {
   void drift(const NodeMotion& motion, double dt);
 };
 
-/// Slow are the materials whose elements bear at least twice the smallest step (s, per material; infinite
-/// without elements). Empty `slow` when there are none.
-[[nodiscard]] Subcycling make_subcycling(const ShellMesh& mesh, const ElementArrays& elements,
-                                         std::span<const double> step_of_material);
+/// Which elements are slow: those of materials whose elements bear at least twice the smallest step, but for
+/// the layers next to faster elements.
+struct SlowFamilies {
+  std::vector<Index> material;      ///< per quad: the mesh's, or for slow ones one of the copies after them
+  std::vector<std::size_t> copied;  ///< material of the mesh of each copy
+  std::size_t elements = 0;         ///< that are slow
+};
+[[nodiscard]] SlowFamilies split_slow_families(const ShellMesh& mesh,
+                                               std::span<const double> step_of_material);
 
-/// How many steps of the fast materials the slow ones bear, at least 1.
-[[nodiscard]] int subcycle_ratio(const Subcycling& subcycling, std::span<const double> step_of_material);
+/// slow: per family of `elements`.
+[[nodiscard]] Subcycling make_subcycling(const ShellMesh& mesh, const ElementArrays& elements,
+                                         std::vector<std::uint8_t> slow);
+
+/// How many steps of the fast families the slow ones bear, at least 1. Steps in s, infinite without elements.
+[[nodiscard]] int subcycle_ratio(const Subcycling& subcycling, std::span<const double> step_of_family);
 
 }  // namespace tuft::fe

@@ -265,6 +265,7 @@ void Runner::measure() {
     notes["mass_scaling_step_before"] = {scaling.step_before, "s"};
     notes["mass_scaling_step_after"] = {scaling.step_after, "s"};
   }
+  if (plan.carpet_subcycle > 1) notes["carpet_subcycle"] = {static_cast<double>(plan.carpet_subcycle), "1"};
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
   notes["contact_searches"] = {static_cast<double>(simulation.searches()), "1"};
   notes["contact_pairs_particle_shell"] = {static_cast<double>(simulation.particle_shell().pair_count()),
