@@ -1,6 +1,6 @@
 // The stable steps of a design of inputs/turfs/, and what mass scaling and subcycling make of them
 // (docs/theory/shells.md):
-//   build/release/bin/print_carpet_steps DESIGN [SIZE in m, 0.1]
+//   build/release/bin/print_carpet_steps DESIGN [SIZE in m, 0.1 [times the fibres' modulus, 1]]
 // Run in the repository's root.
 #include <fmt/format.h>
 
@@ -48,11 +48,12 @@ Cost cost_of(const tuft::fe::ShellMesh& mesh, const std::vector<tuft::ShellMater
   return {seconds / (steps * dt), carpet.subcycle()};
 }
 
-void print(const std::string& design, double size) {
+void print(const std::string& design, double size, double stiffer) {
   const tuft::CarpetDesign d =
       tuft::read_scene("inputs/clegg_small.toml", {{"turf.design", design}}).turf.carpet;
   const tuft::fe::ShellMesh mesh = tuft::fe::generate_carpet(d, {size, size}, 1, true);
-  const std::vector<tuft::ShellMaterial> materials{d.backing, d.fibre};
+  std::vector<tuft::ShellMaterial> materials{d.backing, d.fibre};
+  materials[1].young_modulus *= stiffer;
   tuft::fe::CarpetOptions options;
   options.sections = {d.backing_section, d.fibre_section};
   const tuft::fe::Carpet plain(mesh, materials, options);
@@ -83,13 +84,13 @@ void print(const std::string& design, double size) {
 int main(int count, char** words) {
   try {
     if (count >= 2) {
-      print(words[1], count > 2 ? std::stod(words[2]) : 0.1);
+      print(words[1], count > 2 ? std::stod(words[2]) : 0.1, count > 3 ? std::stod(words[3]) : 1);
       return 0;
     }
   } catch (const tuft::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 2;
   }
-  std::fputs("usage: print_carpet_steps DESIGN [SIZE]\n", stderr);
+  std::fputs("usage: print_carpet_steps DESIGN [SIZE [TIMES]]\n", stderr);
   return 2;
 }
