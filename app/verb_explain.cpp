@@ -34,6 +34,14 @@ std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
   table.add({"coupling window", format_quantity(plan.window, "s"), "1"});
   table.add({"carpet", format_quantity(plan.carpet_step, "s"),
              format_count(static_cast<std::uint64_t>(plan.carpet_substeps))});
+  const auto add_alone = [&](const char* name, double step) {
+    if (step == 0) return;
+    const bool slow = plan.carpet_subcycle > 1 && step >= plan.carpet_subcycle * plan.carpet_step;
+    table.add({name, format_quantity(step, "s"),
+               slow ? fmt::format("subcycled, every {} of the carpet's", plan.carpet_subcycle) : ""});
+  };
+  add_alone("  backing alone", plan.backing_step);
+  add_alone("  fibres alone", plan.fibre_step);
   table.add({"infill", format_quantity(plan.infill_step, "s"),
              format_count(static_cast<std::uint64_t>(plan.infill_substeps))});
   return table.text() + fmt::format("  {} windows: {} of settling, then {} of the drop\n",

@@ -261,6 +261,7 @@ struct Effects {
 struct Numerics {
   double step_safety = 0.8;          ///< (0, 1], of the stable step of every part
   double mass_scaling_limit = 0;     ///< [0, 1), share of the carpet's mass that may be added; 0: off
+  bool subcycle_carpet = false;      ///< the carpet's slower material at a multiple of its faster one's step
   double coupling_window = 0;        ///< s; 0: the larger of the carpet's and the infill's step
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum

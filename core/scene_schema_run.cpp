@@ -111,6 +111,9 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled) {
   keys.number({"mass_scaling_limit",
                "share of the carpet's mass that may be added to the shells that bound its step"},
               numerics.mass_scaling_limit, {0, 1, false, true});
+  keys.flag(
+      {"subcycle_carpet", "backing or fibres, whichever bears it, stepped at a multiple of the other's step"},
+      numerics.subcycle_carpet);
   keys.quantity(
       {"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
       numerics.coupling_window, "s", non_negative);

@@ -117,6 +117,7 @@ fe::CarpetOptions carpet_options(const Scene& scene) {
   options.damping = scene.turf.carpet.damping;
   options.gravity = gravity;
   options.mass_scaling_limit = scene.numerics.mass_scaling_limit;
+  options.subcycle = scene.numerics.subcycle_carpet;
   return options;
 }
 

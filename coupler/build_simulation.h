@@ -37,7 +37,7 @@ struct BuiltSimulation {
 /// InputError.
 [[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres);
 
-/// How a scene's carpet is stepped: sections, damping, gravity, mass scaling.
+/// How a scene's carpet is stepped: sections, damping, gravity, mass scaling, subcycling.
 [[nodiscard]] fe::CarpetOptions carpet_options(const Scene& scene);
 
 /// What the user should know of the mesh file that the carpet comes from; empty for a generated carpet.

@@ -78,11 +78,13 @@ void Simulation::release_body(std::size_t index, const Vec3& position, const Vec
 StableSteps Simulation::stable_steps() const {
   const ParticleView particles = parts_.infill->particles();
   const double contact = particle_body_.largest_frequency_squared(particles.mass);
-  return {parts_.carpet->stable_step(), parts_.infill->stable_step(), 2.0 / std::sqrt(contact)};
+  return {parts_.carpet->stable_step(), parts_.infill->stable_step(), 2.0 / std::sqrt(contact),
+          parts_.carpet->subcycle_ratio()};
 }
 
 void Simulation::advance_interval(double interval) {
   plan_ = plan_steps(stable_steps(), parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
+  if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
   const double start = time_;
   for (int w = 0; w < plan_.windows; ++w) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 
@@ -12,6 +13,20 @@ namespace {
 /// when it fits.
 int parts(double whole, double longest) {
   return std::max(1, static_cast<int>(std::ceil(whole / longest * (1 - 1e-12))));
+}
+
+/// Adds windows or steps of the carpet in each, whichever makes fewer steps of the carpet in all.
+void fit_subcycle(StepPlan& plan, int ratio, double interval) {
+  const int m = std::min(ratio, plan.windows * plan.carpet_substeps);
+  const auto up = [](int count, int to) { return (count + to - 1) / to * to; };
+  const int substeps = up(plan.carpet_substeps, m / std::gcd(m, plan.windows));
+  const int windows = up(plan.windows, m / std::gcd(m, plan.carpet_substeps));
+  plan.carpet_subcycle = m;
+  if (plan.windows * substeps < windows * plan.carpet_substeps)
+    plan.carpet_substeps = substeps;
+  else
+    plan.windows = windows;
+  plan.window = interval / plan.windows;
 }
 
 }  // namespace
@@ -28,6 +43,7 @@ StepPlan plan_steps(const StableSteps& stable, double safety, double requested_w
   plan.windows = parts(interval, window);
   plan.window = interval / plan.windows;
   plan.carpet_substeps = parts(plan.window, carpet);
+  if (stable.carpet_ratio > 1) fit_subcycle(plan, stable.carpet_ratio, interval);
   plan.infill_substeps = parts(plan.window, infill);
   return plan;
 }

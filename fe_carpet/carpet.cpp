@@ -149,6 +149,7 @@ Carpet::Impl::Impl(ShellMesh mesh_in, std::vector<ShellMaterial> materials_in,
   for (std::size_t m = 0; m < materials.size(); ++m)
     wave_speed = std::max(wave_speed, std::sqrt(stiffest_direct(materials[m]) / materials[m].density));
   initial_stable_step = 2 / std::sqrt(largest_frequency_squared());
+  if (options.subcycle) split_off_slow_elements();
 }
 
 double Carpet::Impl::largest_frequency_squared() const {
@@ -163,7 +164,12 @@ double Carpet::Impl::largest_frequency_squared() const {
 
 /// Strains and stresses up to the present positions, so that velocities may change.
 void Carpet::Impl::settle_elements() {
-  update_elements();
+  if (subcycling) {
+    update_groups(true, 1);
+    subcycling->drifted = 0;
+  } else {
+    update_elements();
+  }
   stop_on_inverted_element();
   last_step = 0;
 }
@@ -177,14 +183,19 @@ void Carpet::Impl::update_elements() {
     const ElementFamily& family = elements.family[block.family];
     family.update(elements, family, nodes.motion, last_step, block.first_batch, block.last_batch, b);
   }
-  if (std::any_of(elements.failing.begin(), elements.failing.end(), [](std::uint8_t f) { return f != 0; })) {
-    const ErodedWork taken = erode_marked(elements, static_cast<Index>(nodes.size()));
-    eroded_energy += taken.strain + taken.hourglass;
-  }
+  take_out_failed();
+}
+
+void Carpet::Impl::take_out_failed() {
+  if (std::none_of(elements.failing.begin(), elements.failing.end(), [](std::uint8_t f) { return f != 0; }))
+    return;
+  const ErodedWork taken = erode_marked(elements, static_cast<Index>(nodes.size()));
+  eroded_energy += taken.strain + taken.hourglass;
 }
 
 /// Elements write their own corners, then nodes gather them: no two threads write one value.
 void Carpet::Impl::move(double dt, const Vec3Array& force, const Vec3Array* moment) {
+  if (subcycling) return move_subcycled(dt, force, moment);
   const NodeStep node_step{dt, options.damping, options.gravity, from_rest ? 0.5 : 0.0};
   const bool starts = std::exchange(from_rest, false);
   update_elements();
@@ -244,7 +255,9 @@ Index find_bad_element(const ElementArrays& elements) {
 /// Positions that are not finite are for the check that follows the step.
 void Carpet::Impl::stop_on_inverted_element() const {
   if (*std::min_element(elements.uprightness.begin(), elements.uprightness.end()) > 0) return;
-  const Index element = find_inverted_element(elements, nodes.motion, last_step);
+  Index element = find_inverted_element(elements, nodes.motion, last_step);
+  if (element < 0 && subcycling)
+    element = find_inverted_element(elements, subcycling->window, subcycling->drifted);
   if (element < 0 ||
       !nodes.motion.position[static_cast<std::size_t>(mesh.quads[static_cast<std::size_t>(element)][0])]
            .allFinite())
@@ -317,6 +330,31 @@ NodeView Carpet::nodes() const {
 double Carpet::stable_step() const {
   const double largest = impl_->largest_frequency_squared();
   return largest > 0 ? 2 / std::sqrt(largest) : impl_->initial_stable_step;  // 0: all elements are gone
+}
+
+std::vector<double> Carpet::stable_steps_of_materials() const {
+  std::vector<double> steps = impl_->steps_of_families();
+  for (std::size_t f = impl_->materials.size(); f < steps.size(); ++f) {
+    double& all = steps[impl_->subcycling->material[f - impl_->materials.size()]];
+    all = std::min(all, steps[f]);
+  }
+  steps.resize(impl_->materials.size());
+  return steps;
+}
+
+int Carpet::subcycle_ratio() const {
+  return impl_->subcycling ? fe::subcycle_ratio(*impl_->subcycling, impl_->steps_of_families()) : 1;
+}
+
+void Carpet::set_subcycle(int steps) {
+  if (!impl_->subcycling && steps == 1) return;
+  if (steps < 1 || !impl_->subcycling || impl_->subcycling->steps != 0)
+    throw std::logic_error(fmt::format("carpet: subcycling of {} steps cannot be set here", steps));
+  impl_->subcycling->every = steps;
+}
+
+int Carpet::subcycle() const {
+  return impl_->subcycling ? impl_->subcycling->every : 1;
 }
 
 const MassScaling& Carpet::mass_scaling() const {
@@ -430,7 +468,10 @@ std::size_t Carpet::eroded_count() const {
 }
 
 std::uint64_t Carpet::element_steps() const {
-  return impl_->steps * impl_->elements.element_count;
+  const Impl& c = *impl_;
+  if (!c.subcycling) return c.steps * c.elements.element_count;
+  return c.steps * (c.elements.element_count - c.subcycling->slow_elements) +
+         c.subcycling->slow_evaluations * c.subcycling->slow_elements;
 }
 
 void Carpet::set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular) {
@@ -449,6 +490,7 @@ void Carpet::set_position(std::size_t node, const Vec3& position) {
   if (node >= impl_->nodes.size()) throw std::logic_error(fmt::format("carpet: no node {}", node));
   if (impl_->steps > 0) throw std::logic_error("carpet: positions can be set before the first step only");
   impl_->nodes.motion.position.set(node, position);
+  if (impl_->subcycling) impl_->subcycling->window.position.set(node, position);
 }
 
 }  // namespace tuft::fe

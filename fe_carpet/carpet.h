@@ -51,6 +51,9 @@ struct CarpetOptions {
   /// [0, 1), share of the carpet's mass that may be added to the elements that bound the step; 0: off. Weight
   /// stays the true one.
   double mass_scaling_limit = 0;
+  /// Materials whose elements bear twice the smallest step or more are evaluated at a multiple of it
+  /// (subcycling.h).
+  bool subcycle = false;
 };
 
 /// Energies, J, as of the last force evaluation with kinetic energy centred there (see core/infill.h).
@@ -83,6 +86,16 @@ class Carpet {
   [[nodiscard]] NodeView nodes() const;
   /// Largest stable step of the shells alone, s, without safety factor.
   [[nodiscard]] double stable_step() const;
+  /// The same of each material's elements alone; infinite for a material without elements.
+  [[nodiscard]] std::vector<double> stable_steps_of_materials() const;
+  /// Steps that the slow materials' elements bear in one now; 1 without subcycling.
+  [[nodiscard]] int subcycle_ratio() const;
+  /// Evaluates slow elements every `steps`-th step from now on; as built: subcycle_ratio(). They are
+  /// evaluated in the last of their steps, and energy() holds as of such a step only. May be changed after
+  /// such a step only, else std::logic_error; ignored without slow elements when it is 1, else
+  /// std::logic_error.
+  void set_subcycle(int steps);
+  [[nodiscard]] int subcycle() const;
   /// What mass scaling added to the carpet as built and the step it gained; all zero when it is off.
   [[nodiscard]] const MassScaling& mass_scaling() const;
   /// Membrane stiffness of each node's surroundings, N/m: m / dt_crit^2 with the element's own critical step,
@@ -109,7 +122,7 @@ class Carpet {
   /// Sum of external loads given to free nodes so far, N s, and what clamped nodes took.
   [[nodiscard]] Vec3 impulse_received() const;
   [[nodiscard]] Vec3 impulse_to_clamps() const;
-  [[nodiscard]] std::uint64_t element_steps() const;
+  [[nodiscard]] std::uint64_t element_steps() const;  ///< evaluations of an element
   void set_velocity(std::size_t node, const Vec3& linear, const Vec3& angular);
   /// Moves a node at this velocity (m/s) from now on, zero included: a grip. Its components must be held
   /// (clamped, or ShellMesh::constraints) wherever the velocity is not zero; the work of what moves it enters

@@ -128,6 +128,16 @@ void Carpet::save(h5::Group& group) const {
   for (const Vec3& force : c.grips.force) grips.insert(grips.end(), force.data(), force.data() + 3);
   if (!c.grips.nodes.empty()) group.write("grips", std::span<const double>(grips));
   group.write_scalar("from_rest", static_cast<std::uint64_t>(c.from_rest));
+  if (!c.subcycling) return;
+  const Subcycling& s = *c.subcycling;
+  auto cycle = group.create_group("subcycling");
+  write_vectors(cycle, "position", s.window.position);
+  write_vectors(cycle, "turn", s.turn);
+  cycle.write_scalar("drifted", s.drifted);
+  cycle.write_scalar("owed", s.owed);
+  cycle.write_scalar("every", static_cast<std::uint64_t>(s.every));
+  cycle.write_scalar("steps", static_cast<std::uint64_t>(s.steps));
+  cycle.write_scalar("slow_evaluations", s.slow_evaluations);
 }
 
 void Carpet::load(const h5::Group& group) {
@@ -149,6 +159,19 @@ void Carpet::load(const h5::Group& group) {
   const double damping = group.read_double("damping");
   const std::uint64_t steps = group.read_count("steps");
   const bool from_rest = group.read_count("from_rest") != 0;
+
+  if (c.subcycling) {
+    const h5::Group cycle = group.open_group("subcycling");
+    Subcycling s = *c.subcycling;
+    s.window.position = read_vectors(cycle, "position", count);
+    s.turn = read_vectors(cycle, "turn", count);
+    s.drifted = cycle.read_double("drifted");
+    s.owed = cycle.read_double("owed");
+    s.every = static_cast<int>(cycle.read_count("every"));
+    s.steps = static_cast<int>(cycle.read_count("steps"));
+    s.slow_evaluations = cycle.read_count("slow_evaluations");
+    c.subcycling = std::move(s);
+  }
 
   c.nodes.motion = {std::move(position), std::move(velocity), std::move(angular_velocity)};
   restore_eroded(eroded, c.elements, static_cast<Index>(c.nodes.size()));

@@ -10,6 +10,7 @@ namespace tuft::fe {
 void Carpet::drive(std::size_t node, const Vec3& velocity) {
   Impl& c = *impl_;
   if (node >= c.nodes.size()) throw std::logic_error(fmt::format("carpet: no node {}", node));
+  if (c.subcycling) throw std::logic_error("carpet: nodes of a subcycled carpet cannot be driven");
   if (c.options.damping > 0) throw std::logic_error("carpet: nodes cannot be driven under damping");
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (c.nodes.free_of(axis)[node] != 0 && velocity[static_cast<Eigen::Index>(axis)] != 0)

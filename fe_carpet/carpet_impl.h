@@ -1,11 +1,13 @@
 #pragma once
 /// What a Carpet holds; shared by carpet.cpp (stepping) and carpet_checkpoint.cpp (save and load).
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fe_carpet/carpet.h"
 #include "fe_carpet/element_arrays.h"
 #include "fe_carpet/node_arrays.h"
+#include "fe_carpet/subcycling.h"
 
 namespace tuft::fe {
 
@@ -14,12 +16,18 @@ struct Carpet::Impl {
 
   void step(double dt, const Vec3Array& force, const Vec3Array* moment);
   void update_elements();
+  void take_out_failed();
   void settle_elements();
   void move(double dt, const Vec3Array& force, const Vec3Array* moment);
   void book_start_from_rest();
   void stop_on_inverted_element() const;
   void stop_on_instability(double dt, const Vec3Array& force, const Vec3Array* moment) const;
   [[nodiscard]] double largest_frequency_squared() const;
+  // subcycling.cpp
+  [[nodiscard]] std::vector<double> steps_of_families() const;
+  void split_off_slow_elements();
+  void update_groups(bool all, double impulse);
+  void move_subcycled(double dt, const Vec3Array& force, const Vec3Array* moment);
 
   void book_grips(double dt, const Vec3Array& force);
   [[nodiscard]] Vec3 holding_force(std::size_t node, const Vec3Array& force) const;
@@ -39,6 +47,7 @@ struct Carpet::Impl {
   ElementArrays elements;
   MassScaling mass_scaling;
   NodeArrays nodes;
+  std::optional<Subcycling> subcycling;   ///< when asked for and some material is slow
   std::vector<double> contact_stiffness;  ///< N/m per node
   double wave_speed = 0;                  ///< m/s, largest of the materials
   double initial_stable_step = 0;         ///< s

@@ -63,6 +63,8 @@ struct NodeStep {
   /// the forces, not half a step before, which would make the fastest modes swing further than they stood.
   /// Otherwise 0.
   double taken_off = 0;
+  /// Corners to gather instead of all: as in NodeArrays, of some elements.
+  const Index *first_corner = nullptr, *corner_offset = nullptr;
 };
 
 /// Velocities to t + dt/2 under internal, external (force, N, and moment, N m, or null, per node) and damping

@@ -71,13 +71,12 @@ struct BlockForces {
   std::array<std::array<double, nodes_per_block>, 6> component;
 };
 
-void gather_forces(const NodeArrays& nodes, const PackedDoubles& corners, std::size_t begin, std::size_t end,
-                   BlockForces& block) {
+void gather_forces(const Index* first_corner, const Index* corner_offset, const PackedDoubles& corners,
+                   std::size_t begin, std::size_t end, BlockForces& block) {
   for (std::size_t n = begin; n < end; ++n) {
     std::array<double, 6> sum{};
-    for (Index k = nodes.first_corner[n]; k < nodes.first_corner[n + 1]; ++k) {
-      const double* corner =
-          &corners[static_cast<std::size_t>(nodes.corner_offset[static_cast<std::size_t>(k)])];
+    for (Index k = first_corner[n]; k < first_corner[n + 1]; ++k) {
+      const double* corner = &corners[static_cast<std::size_t>(corner_offset[k])];
       for (std::size_t c = 0; c < 6; ++c) sum[c] += corner[c * lanes];
     }
     for (std::size_t c = 0; c < 6; ++c) block.component[c][n - begin] = sum[c];
@@ -153,7 +152,10 @@ void update_node_block(NodeArrays& nodes, const ElementArrays& elements, const V
                        const Vec3Array* moment, const NodeStep& step, std::size_t block) {
   const std::size_t begin = block * nodes_per_block, end = std::min(nodes.size(), begin + nodes_per_block);
   BlockForces internal;
-  gather_forces(nodes, elements.forces, begin, end, internal);
+  const bool some = step.first_corner != nullptr;
+  gather_forces(some ? step.first_corner : nodes.first_corner.data(),
+                some ? step.corner_offset : nodes.corner_offset.data(), elements.forces, begin, end,
+                internal);
 
   NodeMotion& motion = nodes.motion;
   const std::array<double*, 3> position{motion.position.x.data(), motion.position.y.data(),

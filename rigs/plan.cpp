@@ -73,6 +73,14 @@ void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& 
   plan.carpet_step = steps.window / steps.carpet_substeps;
   plan.infill_step = steps.window / steps.infill_substeps;
   plan.windows = static_cast<std::uint64_t>(steps.windows) * schedule.end;
+  plan.carpet_subcycle = steps.carpet_subcycle;
+}
+
+void take_group_steps(RunPlan& plan, const fe::Carpet& carpet, double safety) {
+  const std::vector<double> steps = carpet.stable_steps_of_materials();
+  const auto share = [&](double step) { return std::isfinite(step) ? safety * step : 0; };
+  plan.backing_step = share(steps[0]);
+  plan.fibre_step = share(steps[1]);
 }
 
 void remark_on_mass_scaling(RunPlan& plan, const fe::MassScaling& scaling) {
@@ -94,6 +102,7 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
   plan.shells = carpet.mesh().quads.size();
   plan.nodes = carpet.nodes().x.size();
   remark_on_mass_scaling(plan, carpet.mass_scaling());
+  take_group_steps(plan, carpet, scene.numerics.step_safety);
   take_steps(plan, simulation.stable_steps(), scene, state.schedule);
   simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
   simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
@@ -126,10 +135,11 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre},
                           coupler::carpet_options(scene));
   remark_on_mass_scaling(plan, carpet.mass_scaling());
+  take_group_steps(plan, carpet, scene.numerics.step_safety);
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);
-  take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step}, scene,
-             make_schedule(scene));
+  take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step, carpet.subcycle_ratio()},
+             scene, make_schedule(scene));
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
   const double windows = static_cast<double>(plan.windows);

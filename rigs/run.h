@@ -71,6 +71,8 @@ struct RunPlan {
   std::uint64_t particles = 0, shells = 0, nodes = 0;
   double carpet_step = 0, infill_step = 0, window = 0;  ///< s, with step_safety applied
   int carpet_substeps = 1, infill_substeps = 1;
+  double backing_step = 0, fibre_step = 0;  ///< s, what each would bear alone; 0: the carpet has none
+  int carpet_subcycle = 1;  ///< the slower of the two is evaluated in every so many of the carpet's steps
   std::uint64_t windows = 0;
   double predicted_wall_s = 0;  ///< from a short timing of the real loops on this machine
   std::uint64_t predicted_memory_bytes = 0;

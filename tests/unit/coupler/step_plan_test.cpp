@@ -43,6 +43,19 @@ TEST(StepPlan, TheWindowIsTheLargerOfBothStepsUnlessTheSceneAsksForAnother) {
   EXPECT_LT(stiff_contact.window, 2e-6 / std::sqrt(2.0) * (1 + 1e-9));
 }
 
+TEST(StepPlan, GivesWholeWindowsOfTheCarpetsSlowElementsToAnIntervalWithinEveryStableStep) {
+  for (const double carpet : {1e-6, 2e-6, 7e-6, 1e-4})
+    for (const double infill : {1e-6, 4e-6, 1e-5})
+      for (const int ratio : {1, 2, 3, 5, 8, 32}) {
+        const StepPlan p = plan_steps({carpet, infill, 1e-4, ratio}, 0.8, 0, 2e-5);
+        EXPECT_EQ(p.windows * p.carpet_substeps % p.carpet_subcycle, 0);
+        EXPECT_LE(p.carpet_subcycle, ratio);
+        EXPECT_NEAR(p.windows * p.window, 2e-5, 1e-18);
+        EXPECT_LE(p.window / p.carpet_substeps, 0.8 * carpet * (1 + 1e-9));
+        EXPECT_LE(p.window / p.infill_substeps, 0.8 / std::hypot(1 / infill, 1 / 1e-4) * (1 + 1e-9));
+      }
+}
+
 TEST(StepPlan, APartWithoutAStableStepIsAnError) {
   EXPECT_THROW((void)plan_steps({3e-6, std::numeric_limits<double>::quiet_NaN(), 1e-3}, 1.0, 0, 2e-5),
                RunError);
