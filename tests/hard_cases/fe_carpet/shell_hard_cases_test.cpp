@@ -150,6 +150,29 @@ TEST_P(ShellHardCase, AStepFivePercentOverTheLimitIsCaught) {
   EXPECT_TRUE(text.find("element ") != std::string::npos || text.find("node ") != std::string::npos) << text;
 }
 
+TEST_P(ShellHardCase, AStepFivePercentOverTheLimitShowsInTheLedgerBeforeItIsStopped) {
+  const Strip strip = make_strip({0.012, 0.003, 0.0001, 4, 1}, false);
+  ShellSection section;
+  section.element = GetParam();
+  const double limit =
+      2 / std::sqrt(LinearModel(strip.mesh, {polyethylene()}, section).largest_frequency_squared(3000));
+  Carpet carpet(strip.mesh, {polyethylene()}, options());
+  carpet.set_velocity(3, Vec3(0.01, 0.02, 0.01), Vec3(0, 0, 0));
+  const Vec3Array load = no_load(strip.node_count());
+  const double start = total(carpet.energy());
+  double largest_share = 0;
+  const std::string text = failure_of([&] {
+    for (int i = 0; i < 20000; ++i) {
+      carpet.step(1.05 * limit, load);
+      const CarpetEnergy e = carpet.energy();
+      const double share = std::abs(total(e) - start) / (e.kinetic + e.strain + e.hourglass);
+      largest_share = std::max(largest_share, share);
+    }
+  });
+  EXPECT_NE(text, "");
+  EXPECT_GT(largest_share, 0.05) << "the ledger's error over the energy at hand";
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, ShellHardCase,
                          testing::Values(ElementKind::one_point, ElementKind::fully_integrated),
                          [](const auto& parameter) {
