@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::size_t threads_pay_above = 1000;
 
+/// A node's sums cost a hundredth of an element: threads pay for far more of them.
+constexpr std::size_t threads_pay_above_nodes = 50000;
+
 /// Elements of a slow material that are evaluated with the fast ones, counted from these. A kick on a node
 /// that fast elements share drives their modes, in resonance where a whole number of half periods fits a
 /// window (Fong, Darve & Lew 2008): strips of two parts then grew at every ratio. Above the highest frequency
@@ -30,7 +33,7 @@ constexpr int longest_window = 32;
 
 void Subcycling::close_window(const NodeMotion& motion) {
   const double rate = drifted > 0 ? 1 / drifted : 0;
-#pragma omp parallel for schedule(static) if (nodes.size() > threads_pay_above)
+#pragma omp parallel for schedule(static) if (nodes.size() > threads_pay_above_nodes)
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto n = static_cast<std::size_t>(nodes[i]);
     const Vec3 now = motion.position[n];
@@ -43,7 +46,7 @@ void Subcycling::close_window(const NodeMotion& motion) {
 
 void Subcycling::drift(const NodeMotion& motion, double dt) {
   drifted += dt;
-#pragma omp parallel for schedule(static) if (nodes.size() > threads_pay_above)
+#pragma omp parallel for schedule(static) if (nodes.size() > threads_pay_above_nodes)
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto n = static_cast<std::size_t>(nodes[i]);
     turn.add(n, dt * motion.angular_velocity[n]);
