@@ -163,8 +163,8 @@ void Carpet::load(const h5::Group& group) {
   if (c.subcycling) {
     const h5::Group cycle = group.open_group("subcycling");
     Subcycling s = *c.subcycling;
-    s.window.position = read_vectors(cycle, "position", count);
-    s.turn = read_vectors(cycle, "turn", count);
+    s.window.position = read_vectors(cycle, "position", stored);
+    s.turn = read_vectors(cycle, "turn", c.nodes.size());
     s.drifted = cycle.read_double("drifted");
     s.owed = cycle.read_double("owed");
     s.every = static_cast<int>(cycle.read_count("every"));
