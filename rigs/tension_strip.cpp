@@ -47,15 +47,6 @@ Vec3 force_on(const fe::Carpet& carpet, const std::vector<std::size_t>& grip) {
   return sum;
 }
 
-/// What the carpet has taken from its books with shells that failed; carpets without failure know none.
-template <class Energy>
-double lost_with_failed_shells(const Energy& energy) {
-  if constexpr (requires { energy.eroded; })
-    return energy.eroded;
-  else
-    return 0;
-}
-
 }  // namespace
 
 StripMesh make_strip_mesh(const Scene& scene, std::size_t test) {
@@ -151,7 +142,8 @@ coupler::EnergyTerms TensionStrip::energy_terms() const {
   terms.kinetic_carpet = energy.kinetic;
   terms.strain_carpet = energy.strain;
   terms.hourglass = energy.hourglass;
-  terms.damping = energy.damping + lost_with_failed_shells(energy);
+  terms.eroded = energy.eroded;
+  terms.damping = energy.damping;
   terms.external_work = energy.external_work;
   return terms;
 }
