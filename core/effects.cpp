@@ -92,8 +92,9 @@ Need need_contact_damping(const Scene& scene) {
 
 Need need_erosion(const Scene& scene) {
   const CarpetDesign& carpet = scene.turf.carpet;
-  if (carpet.fibre.can_fail()) return {true, "turf.carpet.fibre has a failure_strain"};
-  if (carpet.backing.can_fail()) return {true, "turf.carpet.backing has a failure_strain"};
+  const bool strand = scene.rig.type != "backing_tension", backing = scene.rig.type != "strand_tension";
+  if (strand && carpet.fibre.can_fail()) return {true, "turf.carpet.fibre has a failure_strain"};
+  if (backing && carpet.backing.can_fail()) return {true, "turf.carpet.backing has a failure_strain"};
   return {false, "no shell material has a failure_strain"};
 }
 
@@ -130,8 +131,9 @@ EffectDecision decide(const EffectRule& rule, const Scene& scene) {
 
 std::vector<EffectDecision> decide_effects(const Scene& scene) {
   std::vector<EffectDecision> decisions;
-  if (scene.rig.is_component()) return decisions;  // all of them are effects of a filled turf
-  for (const EffectRule& rule : rules) decisions.push_back(decide(rule, scene));
+  // A strip of the carpet's material can fail; the others are effects of a filled turf.
+  for (const EffectRule& rule : rules)
+    if (!scene.rig.is_component() || rule.name == "erosion") decisions.push_back(decide(rule, scene));
   return decisions;
 }
 

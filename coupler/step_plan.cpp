@@ -15,9 +15,9 @@ int parts(double whole, double longest) {
   return std::max(1, static_cast<int>(std::ceil(whole / longest * (1 - 1e-12))));
 }
 
-/// Adds windows or steps of the carpet in each, whichever makes fewer steps of the carpet in all.
-void fit_subcycle(StepPlan& plan, int ratio, double interval) {
-  const int m = std::min(ratio, plan.windows * plan.carpet_substeps);
+/// Steps of the carpet in an interval must be a multiple of m: adds windows, or steps in each, whichever
+/// makes fewer steps in all.
+StepPlan with_subcycle(StepPlan plan, int m, double interval) {
   const auto up = [](int count, int to) { return (count + to - 1) / to * to; };
   const int substeps = up(plan.carpet_substeps, m / std::gcd(m, plan.windows));
   const int windows = up(plan.windows, m / std::gcd(m, plan.carpet_substeps));
@@ -27,6 +27,18 @@ void fit_subcycle(StepPlan& plan, int ratio, double interval) {
   else
     plan.windows = windows;
   plan.window = interval / plan.windows;
+  return plan;
+}
+
+/// The largest m up to `ratio` that adds few windows and steps: contact, infill and fast shells pay for each.
+StepPlan fit_subcycle(const StepPlan& plan, int ratio, double interval) {
+  constexpr double most_added = 0.05;
+  const int steps = plan.windows * plan.carpet_substeps;
+  for (int m = std::min(ratio, steps); m > 1; --m)
+    if (const StepPlan fitted = with_subcycle(plan, m, interval);
+        fitted.windows * fitted.carpet_substeps <= (1 + most_added) * steps)
+      return fitted;
+  return plan;
 }
 
 }  // namespace
@@ -43,7 +55,7 @@ StepPlan plan_steps(const StableSteps& stable, double safety, double requested_w
   plan.windows = parts(interval, window);
   plan.window = interval / plan.windows;
   plan.carpet_substeps = parts(plan.window, carpet);
-  if (stable.carpet_ratio > 1) fit_subcycle(plan, stable.carpet_ratio, interval);
+  if (stable.carpet_ratio > 1) plan = fit_subcycle(plan, stable.carpet_ratio, interval);
   plan.infill_substeps = parts(plan.window, infill);
   return plan;
 }

@@ -51,7 +51,7 @@ struct CarpetOptions {
   /// [0, 1), share of the carpet's mass that may be added to the elements that bound the step; 0: off. Weight
   /// stays the true one.
   double mass_scaling_limit = 0;
-  /// Materials whose elements bear twice the smallest step or more are evaluated at a multiple of it
+  /// Materials whose elements bear 2.5 times the smallest step or more are evaluated at a multiple of it
   /// (subcycling.h).
   bool subcycle = false;
 };

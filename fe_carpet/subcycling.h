@@ -34,7 +34,7 @@ struct Subcycling {
   void drift(const NodeMotion& motion, double dt);
 };
 
-/// Which elements are slow: those of materials whose elements bear at least twice the smallest step, but for
+/// Which elements are slow: those of materials whose elements bear at least 2.5 times the smallest step, but for
 /// the layers next to faster elements.
 struct SlowFamilies {
   std::vector<Index> material;      ///< per quad: the mesh's, or for slow ones one of the copies after them

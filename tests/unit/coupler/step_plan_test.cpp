@@ -53,7 +53,11 @@ TEST(StepPlan, GivesWholeWindowsOfTheCarpetsSlowElementsToAnIntervalWithinEveryS
         EXPECT_NEAR(p.windows * p.window, 2e-5, 1e-18);
         EXPECT_LE(p.window / p.carpet_substeps, 0.8 * carpet * (1 + 1e-9));
         EXPECT_LE(p.window / p.infill_substeps, 0.8 / std::hypot(1 / infill, 1 / 1e-4) * (1 + 1e-9));
+        const StepPlan without = plan_steps({carpet, infill, 1e-4, 1}, 0.8, 0, 2e-5);
+        EXPECT_LE(p.windows * p.carpet_substeps, 1.05 * without.windows * without.carpet_substeps);
       }
+  // 10 steps of the carpet: of 7 and fewer, 5 divides them.
+  EXPECT_EQ(plan_steps({2e-6, 2e-6, 1e-3, 7}, 1.0, 2e-6, 2e-5).carpet_subcycle, 5);
 }
 
 TEST(StepPlan, APartWithoutAStableStepIsAnError) {
