@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "coupler/carpet_terms.h"
 #include "coupler/fastest.h"
 
 namespace tuft::coupler {
@@ -326,8 +327,7 @@ ParticleView Simulation::node_points(const fe::NodeView& nodes) const {
 }
 
 double Simulation::carpet_balance() const {
-  const fe::CarpetEnergy e = parts_.carpet->energy();
-  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping + e.eroded - e.external_work;
+  return parts_.carpet->energy().balance();
 }
 
 double Simulation::infill_balance() const {
@@ -349,20 +349,17 @@ EnergyTerms Simulation::energy_terms() const {
   ContactEnergy contact = particle_shell_.energy();
   contact += particle_body_.energy();
   contact += node_body_.energy();
-  EnergyTerms terms;
-  terms.kinetic_carpet = carpet.kinetic;
+  EnergyTerms terms = terms_of(carpet);
   terms.kinetic_infill = infill.kinetic;
   terms.kinetic_bodies = body_kinetic_;
-  terms.strain_carpet = carpet.strain;
-  terms.hourglass = carpet.hourglass;
-  terms.eroded = carpet.eroded;
   terms.stored_infill = infill.stored;
   terms.dissipated_infill = infill.dissipated;
   terms.contact_elastic = contact.elastic;
   terms.contact_damping = contact.damped;
   terms.contact_friction = contact.friction;
-  terms.gravity_potential = carpet.gravity_potential + infill.gravity_potential + body_potential_;
-  terms.damping = carpet.damping + infill.damping;
+  terms.gravity_potential += infill.gravity_potential + body_potential_;
+  terms.damping += infill.damping;
+  // Between the parts contact is no work from outside; what it has released is.
   terms.external_work = external_work_ + contact.released;
   return terms;
 }

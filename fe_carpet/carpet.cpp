@@ -421,17 +421,9 @@ double Carpet::kinetic_energy() const {
   return kinetic;
 }
 
-namespace {
-
-double balance(const CarpetEnergy& e) {
-  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping + e.eroded - e.external_work;
-}
-
-}  // namespace
-
 void Carpet::stop() {
   Impl& c = *impl_;
-  const double before = balance(energy());
+  const double before = energy().balance();
   // What these velocities have done since the last forces must not be lost: the elements have yet to see it.
   c.settle_elements();
   for (Vec3Array* velocity : {&c.nodes.motion.velocity, &c.nodes.motion.angular_velocity})
@@ -441,7 +433,7 @@ void Carpet::stop() {
     sums.damping_work -= 0.5 * sums.last_damping_work;
     sums.kinetic = sums.last_external_work = sums.last_damping_work = 0;
   }
-  c.nodes.sums.front().damping_work += before - balance(energy());
+  c.nodes.sums.front().damping_work += before - energy().balance();
   c.from_rest = true;
 }
 

@@ -65,6 +65,11 @@ struct CarpetEnergy {
   double damping = 0;            ///< dissipated by mass-proportional damping
   double eroded = 0;             ///< had gone into elements until they failed
   double external_work = 0;      ///< work of the loads given to step()
+
+  /// What must stay constant, J: all that is stored, moving or lost, less what was put in.
+  [[nodiscard]] double balance() const {
+    return kinetic + strain + hourglass + gravity_potential + damping + eroded - external_work;
+  }
 };
 
 /// Nodes: positions at t, translational velocity half a step before.

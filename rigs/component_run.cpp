@@ -14,6 +14,7 @@
 #include "core/timers.h"
 #include "rigs/component_checkpoint.h"
 #include "rigs/process_memory.h"
+#include "rigs/run_outcome.h"
 #include "rigs/tension_record.h"
 #include "rigs/tension_strip.h"
 
@@ -33,15 +34,8 @@ class ComponentRunner {
   explicit ComponentRunner(const RunRequest& request)
       : request_(request),
         rig_(request.scene.rig.tension),
-        rows_a_test_(static_cast<std::uint64_t>(rig_.samples)) {
-    summary_.status = "failed";
-    summary_.scene_name = request.scene.info.name;
-    summary_.rig = request.scene.rig.type;
-    summary_.approach = "fe";
-    summary_.version = TUFT_VERSION;
-    summary_.effects = decide_effects(request.scene);
-    if (request.scene.numerics.threads > 0) set_threads(request.scene.numerics.threads);
-  }
+        rows_a_test_(static_cast<std::uint64_t>(rig_.samples)),
+        summary_(begin_run(request.scene, "fe")) {}
 
   RunSummary run() {
     try {
@@ -160,9 +154,7 @@ class ComponentRunner {
   }
 
   [[nodiscard]] std::map<std::string, double> cost() const {
-    std::map<std::string, double> total;
-    for (std::size_t p = 0; p < phase_names.size(); ++p)
-      total[std::string(phase_names[p])] = timers_.seconds(static_cast<Phase>(p));
+    std::map<std::string, double> total = phase_seconds(timers_);
     for (const auto& [phase, seconds] : state_.spent.cost) total[phase] += seconds;
     return total;
   }

@@ -12,6 +12,7 @@
 #include "coupler/layer_depth.h"
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
+#include "rigs/run_outcome.h"
 #include "rigs/run_state.h"
 #include "rigs/xdmf.h"
 
@@ -39,9 +40,7 @@ std::vector<coupler::RecordedColumn> finished_columns(const Rig& rig) {
 /// copies and signals (exchange), and the rest of the wait for the other process (waiting).
 std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
                                             const coupler::BuiltSimulation& built) {
-  std::map<std::string, double> cost;
-  for (std::size_t p = 0; p < phase_names.size(); ++p)
-    cost[std::string(phase_names[p])] = simulation.timers().seconds(static_cast<Phase>(p));
+  std::map<std::string, double> cost = phase_seconds(simulation.timers());
   if (built.dem != nullptr) {
     const double window = cost["infill"];
     cost["exchange"] = built.dem->exchange_seconds();
@@ -54,15 +53,9 @@ std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
 /// Runs one request; its members are what the stages share.
 class Runner {
  public:
-  explicit Runner(const RunRequest& request) : request_(request) {
-    summary_.status = "failed";
-    summary_.scene_name = request.scene.info.name;
-    summary_.rig = request.scene.rig.type;
-    summary_.approach = request.scene.infill.approach == Approach::sph ? "sph" : "dem";
-    summary_.version = TUFT_VERSION;
-    summary_.effects = decide_effects(request.scene);
-    if (request.scene.numerics.threads > 0) set_threads(request.scene.numerics.threads);
-  }
+  explicit Runner(const RunRequest& request)
+      : request_(request),
+        summary_(begin_run(request.scene, request.scene.infill.approach == Approach::sph ? "sph" : "dem")) {}
 
   RunSummary run() {
     try {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigs/strip_failure.h"
+#include "coupler/carpet_terms.h"
 
 namespace tuft::rigs {
 namespace {
@@ -132,20 +132,12 @@ TensionRow TensionStrip::row() const {
   row.stress = row.force / strip_.section();
   row.true_stress = row.stress * (1 + row.strain);
   row.principal_strain = largest_principal_strain(carpet_);
-  row.failed = strip_failed(carpet_);
+  row.failed = carpet_.eroded_count() > 0;
   return row;
 }
 
 coupler::EnergyTerms TensionStrip::energy_terms() const {
-  const fe::CarpetEnergy energy = carpet_.energy();
-  coupler::EnergyTerms terms;
-  terms.kinetic_carpet = energy.kinetic;
-  terms.strain_carpet = energy.strain;
-  terms.hourglass = energy.hourglass;
-  terms.eroded = energy.eroded;
-  terms.damping = energy.damping;
-  terms.external_work = energy.external_work;
-  return terms;
+  return coupler::terms_of(carpet_.energy());
 }
 
 Vec3 TensionStrip::momentum() const {

@@ -24,35 +24,11 @@ void shake(Carpet& carpet) {
   }
 }
 
-Vec3 momentum(const Carpet& carpet) {
-  const NodeView v = carpet.nodes();
-  Vec3 sum(0, 0, 0);
-  for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]);
-  return sum;
-}
-
 double momentum_scale(const Carpet& carpet) {
   const NodeView v = carpet.nodes();
   double sum = 0;
   for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]).norm();
   return sum;
-}
-
-/// Strips standing up from a patch of backing, with shared root nodes and two thicknesses.
-ShellMesh small_turf() {
-  CarpetDesign d;
-  d.gauge = 0.008;
-  d.stitch_spacing = 0.006;
-  d.strands_per_tuft = 3;
-  d.pile_length = 0.03;
-  d.strand_width = 0.0013;
-  d.strand_thickness = 0.0001;
-  d.lean = 0.2;
-  d.fan_out = 0.2;
-  d.element_length = 0.003;
-  d.backing_thickness = 0.001;
-  d.backing_element = 0.004;
-  return generate_carpet(d, {0.04, 0.04}, 7, true);
 }
 
 std::vector<ShellMaterial> turf_materials() {
@@ -130,7 +106,7 @@ TEST(DrillingRotation, OfAFlatStripKeepsItsEnergyAndMovesTheStripByItsAngularMom
 TEST_F(Turf, StruckKeepsItsEnergyAndHourglassesLittle) {
   // Every mode at once, at 0.5 of the limit: the energy is that of discrete time, within (omega dt / 2)^2 of
   // the fastest.
-  Carpet carpet(small_turf(), turf_materials(), no_gravity());
+  Carpet carpet(small_turf(0.04), turf_materials(), no_gravity());
   const NodeView nodes = carpet.nodes();
   for (std::size_t n = 0; n < nodes.x.size(); ++n)
     if (!nodes.clamped[n]) {
@@ -226,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(FullyIntegrated, TurfOfEveryKind,
                                                           Law::orthotropic)));
 
 TEST_P(TurfOfEveryKind, MovesBitForBitTheSameOnOneAndTwoThreads) {
-  const ShellMesh mesh = small_turf();
+  const ShellMesh mesh = small_turf(0.04);
   ASSERT_GT(mesh.quads.size(), 1000U) << "too small for threads to be used";
   Carpet one(mesh, materials(), options()), two(mesh, materials(), options());
   shake(one);
@@ -239,7 +215,7 @@ TEST_P(TurfOfEveryKind, MovesBitForBitTheSameOnOneAndTwoThreads) {
 }
 
 TEST_P(TurfOfEveryKind, GoesOnBitForBitFromACheckpoint) {
-  const ShellMesh mesh = small_turf();
+  const ShellMesh mesh = small_turf(0.04);
   // With a stop right before, which leaves a mark, and without.
   for (const bool stopped : {false, true}) {
     Carpet whole(mesh, materials(), options()), first_half(mesh, materials(), options());

@@ -64,7 +64,32 @@ inline Vec3 position(const Carpet& carpet, Index node) {
 }
 
 inline double total(const CarpetEnergy& e) {
-  return e.kinetic + e.strain + e.hourglass + e.gravity_potential + e.damping - e.external_work;
+  return e.balance();
+}
+
+/// Of all nodes, N s.
+inline Vec3 momentum(const Carpet& carpet) {
+  const NodeView v = carpet.nodes();
+  Vec3 sum(0, 0, 0);
+  for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]);
+  return sum;
+}
+
+/// Strips standing up from a square patch of backing, with shared root nodes and two thicknesses.
+inline ShellMesh small_turf(double side) {
+  CarpetDesign d;
+  d.gauge = 0.008;
+  d.stitch_spacing = 0.006;
+  d.strands_per_tuft = 3;
+  d.pile_length = 0.03;
+  d.strand_width = 0.0013;
+  d.strand_thickness = 0.0001;
+  d.lean = 0.2;
+  d.fan_out = 0.2;
+  d.element_length = 0.003;
+  d.backing_thickness = 0.001;
+  d.backing_element = 0.004;
+  return generate_carpet(d, {side, side}, 7, true);
 }
 
 }  // namespace tuft::fe::test
