@@ -418,7 +418,9 @@ Pack batch_frequency_squared(const ElementArrays& elements, const Vec3Array& pos
   const ElementFamily& family = elements.family[static_cast<std::size_t>(elements.batch_family[batch])];
   const ShellFrame<Pack> f = shell_frame(modes(gather_corners(elements, position, batch)));
   const Pack t = load(&elements.thickness[batch * lanes]);
-  const Pack padding_safe_mass = stdx::max(load(&elements.mass[batch * lanes]), Pack(1e-300));
+  // Padding has no mass: with any other than a tiny one its bound is zero, whatever its shape.
+  Pack padding_safe_mass = load(&elements.mass[batch * lanes]);
+  stdx::where(padding_safe_mass <= 0.0, padding_safe_mass) = 1.0;
   const IsotropicLaw& law =
       std::visit([](const auto& l) -> const IsotropicLaw& { return bounding_law(l); }, family.law);
   const ModeStiffness<Pack> k = mode_stiffness<IsotropicLaw, Pack>(law, f, t);
