@@ -191,6 +191,16 @@ void complete_tension(Scene& scene, const Places& places) {
   for (const double rate : rig.rates) scene.info.duration += rig.strain_limit / rate;
 }
 
+/// An effect that is asked for must have something to act on.
+void check_erosion(const Scene& scene, const Places& places) {
+  const auto choice = scene.effects.choice.find("erosion");
+  if (choice == scene.effects.choice.end() || choice->second != Switch::on) return;
+  if (!scene.turf.carpet.fibre.can_fail() && !scene.turf.carpet.backing.can_fail())
+    places.fail("effects.erosion",
+                "nothing can fail: give turf.carpet.fibre or turf.carpet.backing a failure_strain, or leave "
+                "this \"auto\"");
+}
+
 }  // namespace
 
 void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
@@ -216,6 +226,7 @@ void complete_scene(Scene& scene, const Places& places) {
   check_layers(scene, places);
   check_tray(scene, places);
   check_missile(scene, places);
+  check_erosion(scene, places);
 }
 
 }  // namespace tuft

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
@@ -173,6 +174,7 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
 
   // Serial: few pairs touch, and the order of additions must not depend on the threads.
   energy_.elastic = 0;
+  energy_ += std::exchange(let_go_, {});
   touching_ = 0;
   double softening = 0;
   for (const Block& block : blocks_) {
@@ -195,6 +197,8 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
 void ParticleShellContact::save(h5::Group& group) const {
   save_pairs(group, keys_, histories_);
   save_energy(group, energy_);
+  h5::Group let_go = group.create_group("let_go");
+  save_energy(let_go, let_go_);
   group.write_scalar("initial_overlap_pairs", static_cast<std::uint64_t>(initial_overlap_.pairs));
   group.write_scalar("initial_overlap_largest", initial_overlap_.largest);
 }
@@ -202,6 +206,7 @@ void ParticleShellContact::save(h5::Group& group) const {
 void ParticleShellContact::load(const h5::Group& group) {
   load_pairs(group, keys_, histories_);
   energy_ = load_energy(group);
+  let_go_ = load_energy(group.open_group("let_go"));
   initial_overlap_.pairs = group.read_count("initial_overlap_pairs");
   initial_overlap_.largest = group.read_double("initial_overlap_largest");
   searched_ = true;  // the next search fills in the elements and keeps these histories

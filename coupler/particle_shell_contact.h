@@ -57,9 +57,11 @@ class ParticleShellContact {
                 double release, double release_before, Vec3Array& node_force, ContactImpulses& impulses);
 
   /// Takes elements out that failed (one value an element of the mesh): what touched them touches what is
-  /// left. The energy of their springs is booked as lost, in damping and friction.
-  void leave_out(std::span<const std::uint8_t> eroded, const ParticleView& particles,
-                 const fe::NodeView& nodes, double release);
+  /// left. `particles`, `ahead`, `nodes` and `release` are what the next evaluation will see; the energy of
+  /// springs that it will not find any more is booked there as lost, in damping and friction. dt: of the step
+  /// that has led here.
+  void leave_out(std::span<const std::uint8_t> eroded, const ParticleView& particles, double ahead,
+                 const fe::NodeView& nodes, double dt, double release);
   /// The same without any pairs yet, after load.
   void leave_out(std::span<const std::uint8_t> eroded);
 
@@ -112,9 +114,10 @@ class ParticleShellContact {
   [[nodiscard]] ContactKinematics kinematics_of(Index particle, const Moment& now, double radius,
                                                 const SoftOverlap& overlap) const;
   [[nodiscard]] double stiffness(Index particle, double radius, Index element) const;
-  /// Energy of a pair's normal spring where everything is now, J.
-  [[nodiscard]] double stored_normal(std::size_t pair, const ParticleView& particles,
-                                     const fe::NodeView& nodes, double release) const;
+  /// Energy of a pair's normal spring less the work k D (D - D_before)/2 that its force would have done at
+  /// this end of the step, J: what is lost when the force is not there any more.
+  [[nodiscard]] double stored_normal(std::size_t pair, const Moment& now) const;
+  void drop_empty_pairs();
   /// Farthest that any particle and any node can have closed in on each other since the last call, added up.
   void advance_travel(const Moment& now);
   void record_initial_overlap(const ParticleView& particles, const fe::NodeView& nodes);
@@ -145,6 +148,7 @@ class ParticleShellContact {
   } travel_;
 
   ContactEnergy energy_;
+  ContactEnergy let_go_;  ///< by shells that failed since the last evaluation
   InitialOverlap initial_overlap_;
   bool searched_ = false;
   std::size_t touching_ = 0;

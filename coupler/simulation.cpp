@@ -248,8 +248,8 @@ void Simulation::step_carpet() {
     if (parts_.carpet->eroded_count() != eroded_) {
       const ScopedPhase phase(timers_, Phase::contact);
       eroded_ = parts_.carpet->eroded_count();
-      particle_shell_.leave_out(parts_.carpet->eroded(), contact_view(), parts_.carpet->nodes(),
-                                release_at(now));
+      particle_shell_.leave_out(parts_.carpet->eroded(), contact_view(), ahead + dt, parts_.carpet->nodes(),
+                                dt, release_at(now + dt));
     }
   }
 }

@@ -255,9 +255,13 @@ Index find_bad_element(const ElementArrays& elements) {
 /// Positions that are not finite are for the check that follows the step.
 void Carpet::Impl::stop_on_inverted_element() const {
   if (*std::min_element(elements.uprightness.begin(), elements.uprightness.end()) > 0) return;
-  Index element = find_inverted_element(elements, nodes.motion, last_step);
+  // The window of the slow elements is up to date at their own nodes alone.
+  std::vector<std::uint8_t> fast(elements.family.size(), 1);
+  if (subcycling)
+    std::transform(subcycling->slow.begin(), subcycling->slow.end(), fast.begin(), std::logical_not<>());
+  Index element = find_inverted_element(elements, nodes.motion, last_step, fast);
   if (element < 0 && subcycling)
-    element = find_inverted_element(elements, subcycling->window, subcycling->drifted);
+    element = find_inverted_element(elements, subcycling->window, subcycling->drifted, subcycling->slow);
   if (element < 0 ||
       !nodes.motion.position[static_cast<std::size_t>(mesh.quads[static_cast<std::size_t>(element)][0])]
            .allFinite())
@@ -328,8 +332,10 @@ NodeView Carpet::nodes() const {
 }
 
 double Carpet::stable_step() const {
-  const double largest = impl_->largest_frequency_squared();
-  return largest > 0 ? 2 / std::sqrt(largest) : impl_->initial_stable_step;  // 0: all elements are gone
+  const double largest = impl_->largest_frequency_squared();  // 0: all elements are gone
+  const double step = largest > 0 ? 2 / std::sqrt(largest) : impl_->initial_stable_step;
+  // Nodes whose elements are gone still meet bodies, with the stiffness that suited the carpet as built.
+  return impl_->elements.eroded_count > 0 ? std::min(step, impl_->initial_stable_step) : step;
 }
 
 std::vector<double> Carpet::stable_steps_of_materials() const {

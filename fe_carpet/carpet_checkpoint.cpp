@@ -142,6 +142,9 @@ void Carpet::save(h5::Group& group) const {
 
 void Carpet::load(const h5::Group& group) {
   Impl& c = *impl_;
+  if (c.elements.eroded_count > 0)
+    throw std::logic_error(
+        "carpet: a checkpoint is loaded into a carpet as built, none of whose shells have failed");
   const std::size_t stored = c.nodes.motion.position.size();
   // All is read before anything is changed: a checkpoint that does not fit leaves the carpet as it was.
   Vec3Array position = read_vectors(group, "position", stored),

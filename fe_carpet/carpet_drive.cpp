@@ -34,7 +34,7 @@ Vec3 Carpet::Impl::holding_force(std::size_t node, const Vec3Array& force) const
     for (std::size_t axis = 0; axis < 3; ++axis)
       sum[static_cast<Eigen::Index>(axis)] += elements.forces[corner + axis * lanes];
   }
-  sum -= force[node];
+  sum -= force[node] + nodes.true_mass_of()[node] * options.gravity;
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (nodes.free_of(axis)[node] != 0) sum[static_cast<Eigen::Index>(axis)] = 0;
   return sum;

@@ -110,9 +110,10 @@ struct NodeMotion {
 /// Chooses the update function and the number of rows for a family's section and law.
 void choose_element_function(ElementFamily& family);
 
-/// First element that is not upright at the present positions (shell_frame.h), or -1. Only when asked: slow.
+/// First element of the marked families that is not upright at the present positions (shell_frame.h), or -1.
+/// Only when asked: slow.
 [[nodiscard]] Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes,
-                                          double last_step);
+                                          double last_step, std::span<const std::uint8_t> of_family);
 
 /// Largest frequency bound squared (1/s^2) of the elements of a batch at the present positions; per lane, 0
 /// for padding.

@@ -223,16 +223,17 @@ struct Works {
 };
 
 /// Adds the works of a step to those of the batch's elements and marks those whose strain is too large. s:
-/// their forces at its end.
+/// their forces at its end. An element that goes may be turned inside out as it does.
 void follow_failure(ElementArrays& elements, const ElementFamily& family, std::size_t batch,
                     std::size_t block, const Works& before, const Works& after, const Pack& principal_strain,
-                    const ShellModes<Pack>& de, const ShellModes<Pack>& s) {
+                    const ShellModes<Pack>& de, const ShellModes<Pack>& s, Pack& upright) {
   const StateRows rows =
       StateRows(&elements.state[elements.state_of_batch(batch)]).from(family.rows - family.failure_rows());
   rows.write(0, rows.read(0) + (after.strain - before.strain));
   rows.write(1, rows.read(1) + (after.hourglass - before.hourglass));
   const auto too_far = principal_strain > family.failure_strain;
   if (stdx::none_of(too_far)) return;
+  stdx::where(too_far, upright) = 1.0;
   store(&elements.last_half_work[batch * lanes], 0.5 * work(s, de));
   for (std::size_t lane = 0; lane < lanes; ++lane)
     if (too_far[lane] && elements.element[batch * lanes + lane] >= 0)
@@ -280,8 +281,6 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   works.strain += f.area * (section.forces.work + t * (xz.mean * gxz + yz.mean * gyz));
   store(&elements.thickness[batch * lanes], t * section.stretch);
 
-  works.uprightness = stdx::min(works.uprightness, uprightness(f, step.end));
-
   const Pack area = step.end.area, shear_area = area * t * section.stretch;
   const SectionForces<Pack>& forces = section.forces;
   s.exx = area * forces.force.xx;
@@ -292,12 +291,14 @@ void update_one_point(ElementArrays& elements, const ElementFamily& family, cons
   s.kxy = area * forces.moment.xy;
   s.shear_xi = shear_area * (step.end.xi_x * xz.stress + step.end.xi_y * yz.stress);
   s.shear_eta = shear_area * (step.end.eta_x * xz.stress + step.end.eta_y * yz.stress);
+  Pack upright = uprightness(f, step.end);
   if (family.failure_points > 0) {
     const Pack strain = advance_strain<Pack>(strain_rows(family, rows, 0),
                                              {{de.exx, de.eyy, de.gxy}, {de.kxx, de.kyy, de.kxy}},
                                              (0.5 * outermost_height<Points>()) * t);
-    follow_failure(elements, family, batch, block, before, works, strain, de, s);
+    follow_failure(elements, family, batch, block, before, works, strain, de, s, upright);
   }
+  works.uprightness = stdx::min(works.uprightness, upright);
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
 
@@ -354,9 +355,10 @@ void update_full(ElementArrays& elements, const ElementFamily& family, const Law
   works.strain += (1.0 + 0.5 * thickness_strain) * strain_work;
   const Pack stretch = 1.0 + thickness_strain;
   thin_forces(stretch, s);
+  Pack upright = uprightness(step.middle, step.end);
   if (family.failure_points > 0)
-    follow_failure(elements, family, batch, block, before_step, works, principal_strain, step.de, s);
-  works.uprightness = stdx::min(works.uprightness, uprightness(step.middle, step.end));
+    follow_failure(elements, family, batch, block, before_step, works, principal_strain, step.de, s, upright);
+  works.uprightness = stdx::min(works.uprightness, upright);
   store(&elements.thickness[batch * lanes], t * stretch);
   store_forces(&elements.forces[batch * batch_values], nodal_forces(step.end, s));
 }
@@ -446,8 +448,10 @@ Pack batch_frequency_squared(const ElementArrays& elements, const Vec3Array& pos
   return tried * over * over;
 }
 
-Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes, double last_step) {
+Index find_inverted_element(const ElementArrays& elements, const NodeMotion& nodes, double last_step,
+                            std::span<const std::uint8_t> of_family) {
   for (std::size_t batch = 0; batch < elements.batch_count; ++batch) {
+    if (!of_family[static_cast<std::size_t>(elements.batch_family[batch])]) continue;
     const CornerModes<Pack> x = modes(gather_corners(elements, nodes.position, batch));
     const CornerModes<Pack> v = modes(gather_corners(elements, nodes.velocity, batch));
     const Pack upright = uprightness(shell_frame(combine(x, Pack(-0.5 * last_step), v)), shell_frame(x));

@@ -136,7 +136,7 @@ int subcycle_ratio(const Subcycling& subcycling, std::span<const double> step_of
     (subcycling.slow[m] ? slow : fast) = std::min(subcycling.slow[m] ? slow : fast, step_of_family[m]);
   if (!(slow > fast)) return 1;
   return static_cast<int>(
-      std::min<double>(longest_window, std::floor(outer_share * slow / fast * (1 + 1e-12))));
+      std::clamp<double>(std::floor(outer_share * slow / fast * (1 + 1e-12)), 1, longest_window));
 }
 
 std::vector<double> Carpet::Impl::steps_of_families() const {

@@ -124,6 +124,12 @@ class ComponentRunner {
       share = std::max(share, terms.kinetic_carpet / (terms.strain_carpet + terms.kinetic_carpet));
     state_.rows.at(state_.test).push_back(row);
     append_tension_row(*record_, state_.time_before + row.time, state_.test, strip_->rate(), row, *ledger_);
+    constexpr std::size_t fewest_whole_rows = 2;
+    if (row.failed && state_.rows[state_.test].size() <= fewest_whole_rows)
+      throw_run_error(
+          "{}: the strip failed within the first of {} rows at {:g} 1/s, with nothing measured before; raise "
+          "rig.samples or lower rig.strain_limit",
+          request_.scene.rig.type, rows_a_test_, strip_->rate());
     if (Clock::now() - last_flush_ > std::chrono::seconds(2)) {
       record_->flush();
       last_flush_ = Clock::now();
@@ -136,6 +142,7 @@ class ComponentRunner {
     state_.element_steps_before += strip_->carpet().element_steps();
     ++state_.test;
     state_.row = 0;
+    carpet_step_ = strip_->step();
     strip_.reset();
   }
 
@@ -211,7 +218,8 @@ class ComponentRunner {
       summary_.element_steps_per_s = static_cast<double>(element_steps) / summary_.cost["carpet"];
     summary_.peak_memory_bytes = peak_memory_bytes(0);
     summary_.wall_s = state_.spent.wall + seconds_since(start_);
-    if (strip_) summary_.notes["carpet_step"] = {strip_->step(), "s"};
+    if (strip_) carpet_step_ = strip_->step();
+    summary_.notes["carpet_step"] = {carpet_step_, "s"};
     summary_.notes["mass_factor"] = {rig_.mass_factor, "1"};
     summary_.notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   }
@@ -225,7 +233,7 @@ class ComponentRunner {
   std::optional<coupler::EnergyLedger> ledger_;
   std::optional<RecordFile> record_;
   PhaseTimers timers_;
-  double first_done_ = 0;
+  double first_done_ = 0, carpet_step_ = 0;
   Clock::time_point start_ = Clock::now(), last_flush_ = start_;
   std::optional<Clock::time_point> last_report_;
 };

@@ -172,14 +172,18 @@ void TensionStrip::load(const h5::Group& group) {
 double largest_principal_strain(const fe::Carpet& carpet) {
   const fe::ShellMesh& mesh = carpet.mesh();
   const fe::NodeView nodes = carpet.nodes();
+  const double back = carpet.last_step();
   double largest = 0;
-  for (const auto& quad : mesh.quads) {
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
+    if (carpet.eroded()[e]) continue;
+    const auto& quad = mesh.quads[e];
     // Tangents at the middle, before (a) and now (b): F a = b, C = F^T F.
     Eigen::Matrix<double, 3, 2> before = Eigen::Matrix<double, 3, 2>::Zero(), now = before;
     constexpr std::array<double, 4> xi{-1, 1, 1, -1}, eta{-1, -1, 1, 1};
     for (std::size_t c = 0; c < 4; ++c) {
       const auto n = static_cast<std::size_t>(quad[c]);
-      const Vec3 x(nodes.x[n], nodes.y[n], nodes.z[n]);
+      const Vec3 x =
+          Vec3(nodes.x[n], nodes.y[n], nodes.z[n]) - back * Vec3(nodes.vx[n], nodes.vy[n], nodes.vz[n]);
       before.col(0) += 0.25 * xi[c] * mesh.nodes[n];
       before.col(1) += 0.25 * eta[c] * mesh.nodes[n];
       now.col(0) += 0.25 * xi[c] * x;

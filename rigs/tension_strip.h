@@ -51,7 +51,8 @@ class TensionStrip {
   std::uint64_t rows_ = 0, steps_ = 0;
 };
 
-/// Largest principal logarithmic strain at the middle of any shell, from where its nodes were and are.
+/// Largest principal logarithmic strain at the middle of any shell that has not failed, from where its nodes
+/// were as built and at the last force evaluation.
 [[nodiscard]] double largest_principal_strain(const fe::Carpet& carpet);
 
 }  // namespace tuft::rigs

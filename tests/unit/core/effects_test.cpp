@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/effect_names.h"
+#include "core/error.h"
 #include "core/scene_reader.h"
 
 namespace tuft {
@@ -73,6 +74,18 @@ TEST(Effects, AreFoundByName) {
   EXPECT_TRUE(effect_on(decisions, "a"));
   EXPECT_FALSE(effect_on(decisions, "b"));
   EXPECT_FALSE(effect_on(decisions, "c"));
+}
+
+TEST(Effects, ErosionIsRefusedWhereNothingCanFail) {
+  try {
+    (void)read_scene("inputs/clegg_small.toml", {{"effects.erosion", "true"}});
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("effects.erosion"));
+    EXPECT_THAT(error.what(), HasSubstr("failure_strain"));
+  }
+  EXPECT_TRUE(
+      decide("erosion", {{"effects.erosion", "true"}, {"turf.carpet.fibre.failure_strain", "0.4"}}).on);
 }
 
 }  // namespace

@@ -238,5 +238,43 @@ TEST(ErosionErrors, NegativeFailureStrainIsRefusedWithItsValue) {
   }
 }
 
+/// Nodes whose shells are gone still meet bodies with the stiffness that suited the carpet as built.
+TEST(FailedShells, LeaveAStepNoLargerThanThatOfTheCarpetAsBuilt) {
+  StripShape shape;
+  shape.along = 20;
+  Strip strip = make_strip(shape, false);
+  const std::size_t quads = strip.mesh.quads.size();
+  for (std::size_t e = 0; e < quads; ++e) strip.mesh.material[e] = e < quads / 2 ? 0 : 1;
+  std::vector<ShellMaterial> materials{polyethylene(), polyethylene()};
+  materials[0].failure_strain = 0.001;
+  materials[1].young_modulus /= 100;
+  Carpet carpet(strip.mesh, materials, no_gravity());
+  const double as_built = carpet.stable_step();
+  for (std::size_t n = 0; n < strip.node_count(); ++n)
+    carpet.set_velocity(n, 2000 * Vec3(carpet.nodes().x[n], 0, 0), Vec3(0, 0, 0));
+  const Vec3Array load = no_load(strip.node_count());
+  for (int i = 0; i < 20; ++i) carpet.step(safety * carpet.stable_step(), load);
+  ASSERT_GE(carpet.eroded_count(), quads / 2) << "the stiff half has failed";
+  ASSERT_GT(carpet.stable_steps_of_materials()[1], 5 * as_built) << "the soft one would bear far more";
+  EXPECT_LE(carpet.stable_step(), as_built);
+}
+
+TEST(FailedShells, AreNotBroughtBackByACheckpoint) {
+  auto carpet = flying_apart(3000, 0.01, {});
+  const Vec3Array load = no_load(carpet->nodes().x.size());
+  const auto path = std::filesystem::temp_directory_path() / "tuft_failed_shells.h5";
+  {
+    h5::File file = h5::File::create_atomically(path);
+    h5::Group group = file.root().create_group("carpet");
+    carpet->save(group);
+    file.commit();
+  }
+  for (int i = 0; i < 200 && carpet->eroded_count() == 0; ++i)
+    carpet->step(safety * carpet->stable_step(), load);
+  ASSERT_GT(carpet->eroded_count(), 0U);
+  EXPECT_THROW(carpet->load(h5::File::open(path).root().open_group("carpet")), std::logic_error);
+  std::filesystem::remove(path);
+}
+
 }  // namespace
 }  // namespace tuft::fe::test

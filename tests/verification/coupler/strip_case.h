@@ -1,0 +1,117 @@
+#pragma once
+/// A few masses and one shell strip, free in space or held.
+#include <cmath>
+
+#include "coupler/simulation.h"
+#include "point_infill.h"
+
+namespace tuft::coupler {
+
+/// A strip of n elements along x, mid-surface z = 0, free in space.
+inline fe::ShellMesh strip(int n, double length, double width, double thickness, bool clamp_ends) {
+  fe::ShellMesh mesh;
+  for (int i = 0; i <= n; ++i)
+    for (int side = 0; side < 2; ++side) {
+      mesh.nodes.push_back(Vec3(length * (static_cast<double>(i) / n - 0.5), (side - 0.5) * width, 0));
+      mesh.clamped.push_back(clamp_ends && (i == 0 || i == n) ? 1 : 0);
+    }
+  for (Index i = 0; i < n; ++i) {
+    mesh.quads.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+    mesh.thickness.push_back(thickness);
+    mesh.material.push_back(0);
+    mesh.surface.push_back(1);
+  }
+  mesh.surface_count = 2;
+  return mesh;
+}
+
+/// A held bowl of 7 x 7 facets of 2 mm: a pyramid standing on its tip, its nodes shifted so that every facet
+/// is warped and has a fold along its diagonal.
+inline fe::ShellMesh bowl(double thickness) {
+  constexpr int n = 7;
+  fe::ShellMesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = 0.002 * (i - 0.5 * n), y = 0.002 * (j - 0.5 * n);
+      const double shift = 3e-4 * std::sin(2.1 * i + 3.7 * j);
+      mesh.nodes.push_back(Vec3(x, y, 0.8 * (std::abs(x) + std::abs(y)) + shift));
+      mesh.clamped.push_back(1);
+    }
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      const Index a = j * (n + 1) + i;
+      mesh.quads.push_back({a, a + 1, a + n + 2, a + n + 1});
+      mesh.thickness.push_back(thickness);
+      mesh.material.push_back(0);
+      mesh.surface.push_back(1);
+    }
+  mesh.surface_count = 2;
+  return mesh;
+}
+
+struct StripCase {
+  bool in_bowl = false;
+  bool look_at_all = false;
+  bool clamp = false;
+  double damping_ratio = 0;
+  FrictionLaw friction{0.4, 0.6, 300};
+  double window = 0;
+  double coupling_particle_stiffness = 1e5;
+  double release_time = 0.002;
+  bool release = true;
+  Vec3 gravity{0, 0, 0};
+  double failure_strain = 0;
+  int elements = 10;
+  double softer_half = 0;  ///< Young's modulus of the half at larger x over the other's; 0: all the same
+  bool subcycle = false;
+  double mass_scaling_limit = 0;
+};
+
+inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
+  SimulationParts parts;
+  fe::CarpetOptions options;
+  options.gravity = setup.gravity;
+  options.subcycle = setup.subcycle;
+  options.mass_scaling_limit = setup.mass_scaling_limit;
+  infill->gravity = setup.gravity;
+  ShellMaterial material{0.36e9, 0.3, 920};
+  material.failure_strain = setup.failure_strain;
+  std::vector<ShellMaterial> materials{material};
+  fe::ShellMesh mesh = setup.in_bowl ? bowl(5e-4) : strip(setup.elements, 0.04, 0.004, 5e-4, setup.clamp);
+  if (setup.softer_half > 0) {
+    materials.push_back(material);
+    materials.back().young_modulus *= setup.softer_half;
+    for (std::size_t e = mesh.quads.size() / 2; e < mesh.quads.size(); ++e) mesh.material[e] = 1;
+  }
+  parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::move(materials), options);
+  const std::size_t n = infill->mass_.size(), nodes = parts.carpet->nodes().x.size();
+  parts.particle_shell.stiffness.assign(n, setup.coupling_particle_stiffness);
+  parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
+  parts.particle_shell.friction.assign(n, setup.friction);
+  parts.particle_shell.skip_pairs_apart = !setup.look_at_all;
+  parts.particle_body = {parts.particle_shell.stiffness, parts.particle_shell.damping_ratio,
+                         parts.particle_shell.friction};
+  parts.node_body.stiffness.assign(nodes, 1e4);
+  parts.node_body.damping_ratio.assign(nodes, 0);
+  parts.node_body.friction.assign(nodes, {});
+  parts.node_radius.assign(nodes, 2.5e-4);
+  parts.infill = std::move(infill);
+  parts.gravity = setup.gravity;
+  parts.numerics.coupling_window = setup.window;
+  parts.numerics.contact_release_time = setup.release_time;
+  parts.numerics.energy_error_limit = 1e9;
+  parts.skin = 5e-4;
+  parts.release_overlap = setup.release;
+  return Simulation(std::move(parts));
+}
+
+inline Vec3 momentum(const Simulation& s) {
+  Vec3 sum(0, 0, 0);
+  const fe::NodeView n = s.carpet().nodes();
+  for (std::size_t i = 0; i < n.x.size(); ++i) sum += n.mass[i] * Vec3(n.vx[i], n.vy[i], n.vz[i]);
+  const ParticleView p = s.infill().particles();
+  for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.velocity(i);
+  return sum;
+}
+
+}  // namespace tuft::coupler
