@@ -16,6 +16,7 @@ Scene short_drop(const std::string& limit) {
   return coarse_scene({{"numerics.mass_scaling_limit", limit},
                        {"numerics.settle_time", "0.5 ms"},
                        {"scene.duration", "0.5 ms"},
+                       {"numerics.threads", "1"},
                        {"output.frames", "0.5 ms"}});
 }
 
