@@ -87,7 +87,7 @@ TEST_P(StepOverTheLimit, ByFivePercentIsStoppedByTheEnergyLedgerBeforeTheShellsT
   ASSERT_EQ(Numerics{}.energy_error_limit, 0.05);
   const double dt = 1.05 * true_limit();
   const int of_shells = run(dt, 20000, [](const Carpet&, double) {}).steps;
-  for (const int every : {1, 6}) {  // a run looks once a history row, 3 to 6 steps in inputs/clegg_small.toml
+  for (const int every : {1, 6}) {  // a run looks once a history row, 6 steps in inputs/clegg_small.toml
     const Kept kept = run_with_ledger(dt, 20000, every);
     EXPECT_NE(kept.stop.text.find("passes numerics.energy_error_limit (5 %)"), std::string::npos)
         << every << ": " << kept.stop.text;
