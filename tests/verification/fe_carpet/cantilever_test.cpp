@@ -74,11 +74,13 @@ struct Swing {
   CarpetEnergy last;
 };
 
-Swing swing(const StripShape& shape, int periods, int thickness_points = 3) {
+Swing swing(const StripShape& shape, int periods, int thickness_points = 3,
+            ElementKind element = ElementKind::one_point) {
   const Strip strip = make_strip(shape, true);
   const Beam beam(shape);
   CarpetOptions options = no_gravity();
   options.section.thickness_points = thickness_points;
+  options.section.element = element;
   Carpet carpet(strip.mesh, {beam_material()}, options);
   start_first_mode(strip, 0.01 * shape.length * beam.frequency, carpet);
   const double dt = 0.9 * carpet.stable_step(), start = total(carpet.energy());
@@ -137,11 +139,13 @@ TEST(CantileverStrip, FreeVibrationKeepsItsEnergyWithinATenthOfAPercentOverThirt
   EXPECT_LT(result.last.hourglass, 1e-6 * (result.last.kinetic + result.last.strain));
 }
 
-TEST(CantileverStrip, ThicknessRulesAgreeToRounding) {
-  const Swing resultants = swing(short_strip(5), 1, 1);
-  for (const int points : {2, 3, 4, 5})
-    EXPECT_NEAR(swing(short_strip(5), 1, points).frequency / resultants.frequency, 1, 1e-9)
-        << points << " points";
+TEST(CantileverStrip, BendsAlikeToRoundingWithTwoToFivePointsAndExactResultantsWithBothElements) {
+  for (const ElementKind element : {ElementKind::one_point, ElementKind::fully_integrated}) {
+    const Swing resultants = swing(short_strip(5), 1, 1, element);
+    for (const int points : {2, 3, 4, 5})
+      EXPECT_NEAR(swing(short_strip(5), 1, points, element).frequency / resultants.frequency, 1, 1e-9)
+          << points << " points" << (element == ElementKind::one_point ? ", one point" : ", 2 x 2");
+  }
 }
 
 TEST(CantileverStrip, LoadsWorkTurnsIntoKineticAndStrainEnergy) {

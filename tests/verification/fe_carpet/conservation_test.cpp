@@ -3,37 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <filesystem>
 
 #include "core/hdf5_file.h"
 #include "core/parallel.h"
-#include "tests/verification/fe_carpet/strip.h"
+#include "tests/verification/fe_carpet/shaken.h"
 
 namespace tuft::fe::test {
 namespace {
-
-/// Velocities without any pattern, so that every mode is excited: up to 1 m/s and 100 rad/s.
-void shake(Carpet& carpet) {
-  const NodeView nodes = carpet.nodes();
-  for (std::size_t n = 0; n < nodes.x.size(); ++n) {
-    if (nodes.clamped[n]) continue;
-    const auto wave = [n](double k) { return std::sin(k * static_cast<double>(n) + k); };
-    carpet.set_velocity(n, Vec3(wave(1.1), wave(2.3), wave(3.7)),
-                        100 * Vec3(wave(0.7), wave(1.9), wave(2.9)));
-  }
-}
-
-double momentum_scale(const Carpet& carpet) {
-  const NodeView v = carpet.nodes();
-  double sum = 0;
-  for (std::size_t n = 0; n < v.x.size(); ++n) sum += v.mass[n] * Vec3(v.vx[n], v.vy[n], v.vz[n]).norm();
-  return sum;
-}
-
-std::vector<ShellMaterial> turf_materials() {
-  return {{0.2e9, 0.3, 900}, polyethylene()};
-}
 
 /// On one thread unless a test says otherwise, so that tests take the same time on a busy machine.
 class Turf : public testing::Test {
@@ -125,29 +102,6 @@ TEST_F(Turf, StruckKeepsItsEnergyAndHourglassesLittle) {
   }
   EXPECT_LT(largest_error, 2e-3);
   EXPECT_LT(largest_hourglass, 0.05);
-}
-
-bool same_bits(std::span<const double> a, std::span<const double> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-}
-
-void expect_same_state(const Carpet& a, const Carpet& b) {
-  const NodeView u = a.nodes(), v = b.nodes();
-  EXPECT_TRUE(same_bits(u.x, v.x) && same_bits(u.y, v.y) && same_bits(u.z, v.z));
-  EXPECT_TRUE(same_bits(u.vx, v.vx) && same_bits(u.vy, v.vy) && same_bits(u.vz, v.vz));
-  const CarpetEnergy e = a.energy(), f = b.energy();
-  EXPECT_EQ(0, std::memcmp(&e, &f, sizeof e));
-  EXPECT_EQ(a.impulse_received(), b.impulse_received());
-  EXPECT_EQ(a.element_steps(), b.element_steps());
-}
-
-void run_turf(Carpet& carpet, int first, int last) {
-  Vec3Array load = no_load(carpet.nodes().x.size());
-  for (int i = first; i < last; ++i) {
-    for (std::size_t n = 0; n < load.size(); ++n)
-      load.z[n] = 1e-5 * std::sin(0.01 * i + static_cast<double>(n));
-    carpet.step(8e-7, load);
-  }
 }
 
 CarpetOptions damped() {

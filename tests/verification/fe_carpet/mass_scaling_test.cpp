@@ -23,6 +23,23 @@ CarpetOptions scaled(CarpetOptions options, double limit) {
   return options;
 }
 
+class MassScalingOf : public testing::TestWithParam<ElementKind> {
+ protected:
+  static CarpetOptions of_kind(CarpetOptions options) {
+    options.section.element = GetParam();
+    return options;
+  }
+  static CarpetOptions weightless() { return of_kind(no_gravity()); }
+  static CarpetOptions under_weight() { return of_kind({}); }
+};
+
+INSTANTIATE_TEST_SUITE_P(, MassScalingOf,
+                         testing::Values(ElementKind::one_point, ElementKind::fully_integrated),
+                         [](const auto& parameter) {
+                           return parameter.param == ElementKind::one_point ? "one_point"
+                                                                            : "fully_integrated";
+                         });
+
 void shake(Carpet& carpet) {
   const NodeView nodes = carpet.nodes();
   for (std::size_t n = 0; n < nodes.x.size(); ++n) {
@@ -38,12 +55,12 @@ double mass_of(const Carpet& carpet) {
   return sum;
 }
 
-TEST(MassScaling, AddsNoMoreThanTheLimitAndNearlyAllOfItAndTheStepIsWhatItSays) {
+TEST_P(MassScalingOf, AddsNoMoreThanTheLimitAndNearlyAllOfItAndTheStepIsWhatItSays) {
   const Strip strip = graded_strip(true);
-  const Carpet plain(strip.mesh, {polyethylene()}, no_gravity());
+  const Carpet plain(strip.mesh, {polyethylene()}, weightless());
   double step_before = plain.stable_step();
   for (const double limit : {0.001, 0.01, 0.05, 0.3, 0.99}) {
-    const Carpet carpet(strip.mesh, {polyethylene()}, scaled(no_gravity(), limit));
+    const Carpet carpet(strip.mesh, {polyethylene()}, scaled(weightless(), limit));
     const MassScaling& s = carpet.mass_scaling();
     EXPECT_LE(s.share(), limit);
     EXPECT_GT(s.share(), limit * (1 - 1e-9));
@@ -56,21 +73,21 @@ TEST(MassScaling, AddsNoMoreThanTheLimitAndNearlyAllOfItAndTheStepIsWhatItSays) 
   }
 }
 
-TEST(MassScaling, OfFewElementsGainsMoreThanOfEqualOnesWhichNeedItEverywhere) {
+TEST_P(MassScalingOf, OfFewElementsGainsMoreThanOfEqualOnesWhichNeedItEverywhere) {
   constexpr double limit = 0.1;
   const Strip equal = make_strip({0.03, 0.004, 0.0002, 12, 3}, true), graded = graded_strip(true);
-  const Carpet all(equal.mesh, {polyethylene()}, scaled(no_gravity(), limit));
+  const Carpet all(equal.mesh, {polyethylene()}, scaled(weightless(), limit));
   EXPECT_EQ(all.mass_scaling().elements, 36);
   EXPECT_NEAR(all.mass_scaling().step_after / all.mass_scaling().step_before, std::sqrt(1 + limit), 1e-9);
-  const Carpet few(graded.mesh, {polyethylene()}, scaled(no_gravity(), limit));
+  const Carpet few(graded.mesh, {polyethylene()}, scaled(weightless(), limit));
   EXPECT_LT(few.mass_scaling().elements, 36);
   EXPECT_GT(few.mass_scaling().step_after / few.mass_scaling().step_before, 1.2);
 }
 
-TEST(MassScaling, IsStableAtNineTenthsOfItsStepOverTwentyThousandSteps) {
+TEST_P(MassScalingOf, IsStableAtNineTenthsOfItsStepOverTwentyThousandSteps) {
   for (const HourglassControl hourglass : {HourglassControl::stiffness, HourglassControl::viscous}) {
     const Strip strip = graded_strip(true);
-    CarpetOptions options = scaled(no_gravity(), 0.3);
+    CarpetOptions options = scaled(weightless(), 0.3);
     options.section.hourglass = hourglass;
     Carpet carpet(strip.mesh, {polyethylene()}, options);
     shake(carpet);
@@ -87,9 +104,9 @@ TEST(MassScaling, IsStableAtNineTenthsOfItsStepOverTwentyThousandSteps) {
   }
 }
 
-TEST(MassScaling, KeepsTheMomentumOfTheScaledMasses) {
+TEST_P(MassScalingOf, KeepsTheMomentumOfTheScaledMasses) {
   const Strip strip = graded_strip(false);
-  Carpet carpet(strip.mesh, {polyethylene()}, scaled(no_gravity(), 0.3));
+  Carpet carpet(strip.mesh, {polyethylene()}, scaled(weightless(), 0.3));
   shake(carpet);
   const auto momentum = [&] {
     const NodeView v = carpet.nodes();
@@ -104,10 +121,10 @@ TEST(MassScaling, KeepsTheMomentumOfTheScaledMasses) {
   EXPECT_LT((momentum() - before).norm(), 1e-11 * scale);
 }
 
-TEST(MassScaling, LetsAFreePieceFallAtGTimesTrueOverScaledMass) {
+TEST_P(MassScalingOf, LetsAFreePieceFallAtGTimesTrueOverScaledMass) {
   // Weight is the true one and moves the added mass too.
   const Strip strip = make_strip({0.03, 0.004, 0.0002, 12, 3}, false);
-  CarpetOptions options;
+  CarpetOptions options = under_weight();
   options.mass_scaling_limit = 0.25;
   Carpet carpet(strip.mesh, {polyethylene()}, options);
   const double dt = 0.8 * carpet.stable_step();
@@ -120,11 +137,11 @@ TEST(MassScaling, LetsAFreePieceFallAtGTimesTrueOverScaledMass) {
   EXPECT_NEAR((e.kinetic + e.gravity_potential) / e.kinetic, 0, 1e-2);  // first kick is a whole one: 1/n
 }
 
-TEST(MassScaling, LeavesStaticWeightAndDeflectionAsTheyAre) {
+TEST_P(MassScalingOf, LeavesStaticWeightAndDeflectionAsTheyAre) {
   const Strip strip = graded_strip(true);
   std::array<double, 2> sag{};
   for (const int with : {0, 1}) {
-    CarpetOptions options;
+    CarpetOptions options = under_weight();
     options.mass_scaling_limit = 0.5 * with;
     Carpet carpet(strip.mesh, {polyethylene()}, options);
     const LoadAtShare no_forces = [](const NodeView&, double, Vec3Array&, Vec3Array&) {};
@@ -135,18 +152,18 @@ TEST(MassScaling, LeavesStaticWeightAndDeflectionAsTheyAre) {
   EXPECT_NEAR(sag[1] / sag[0], 1, 1e-3);
 }
 
-TEST(MassScaling, LeavesContactStiffnessAsItIs) {
+TEST_P(MassScalingOf, LeavesContactStiffnessAsItIs) {
   const Strip strip = graded_strip(true);
-  const Carpet plain(strip.mesh, {polyethylene()}, no_gravity());
-  const Carpet carpet(strip.mesh, {polyethylene()}, scaled(no_gravity(), 0.3));
+  const Carpet plain(strip.mesh, {polyethylene()}, weightless());
+  const Carpet carpet(strip.mesh, {polyethylene()}, scaled(weightless(), 0.3));
   for (std::size_t n = 0; n < strip.node_count(); ++n)
     EXPECT_NEAR(carpet.node_contact_stiffness()[n] / plain.node_contact_stiffness()[n], 1, 1e-12);
 }
 
-TEST(MassScaling, OfZeroIsTheSameToTheBitAsNoneAskedFor) {
+TEST_P(MassScalingOf, OfZeroIsTheSameToTheBitAsNoneAskedFor) {
   const Strip strip = graded_strip(true);
-  Carpet off(strip.mesh, {polyethylene()}, CarpetOptions{}),
-      zero(strip.mesh, {polyethylene()}, scaled(CarpetOptions{}, 0));
+  Carpet off(strip.mesh, {polyethylene()}, under_weight()),
+      zero(strip.mesh, {polyethylene()}, scaled(under_weight(), 0));
   EXPECT_EQ(zero.mass_scaling().added_mass, 0);
   shake(off);
   shake(zero);
@@ -163,10 +180,10 @@ TEST(MassScaling, OfZeroIsTheSameToTheBitAsNoneAskedFor) {
   }
 }
 
-TEST(MassScaling, RefusesAShareOfOneOrMore) {
+TEST_P(MassScalingOf, RefusesAShareOfOneOrMore) {
   const Strip strip = graded_strip(true);
   for (const double limit : {1.0, -0.1, std::nan("")}) try {
-      const Carpet carpet(strip.mesh, {polyethylene()}, scaled(no_gravity(), limit));
+      const Carpet carpet(strip.mesh, {polyethylene()}, scaled(weightless(), limit));
       ADD_FAILURE() << limit;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("mass_scaling_limit is"), std::string::npos) << error.what();

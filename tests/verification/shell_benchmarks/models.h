@@ -28,6 +28,8 @@ struct BenchmarkModel {
 struct Quantity {
   std::string name;
   double reference = 0;  ///< in the units of the source
+  double length = 0;     ///< of the model, what a reference of 0 is measured by
+  [[nodiscard]] double scale() const { return reference != 0 ? reference : length; }
 };
 
 struct Benchmark {
@@ -48,7 +50,8 @@ void PrintTo(const Benchmark& benchmark, std::ostream* stream);  ///< its name, 
 [[nodiscard]] std::vector<Benchmark> shell_benchmarks();
 
 struct BenchmarkAnswer {
-  std::vector<double> ratio;  ///< of the displacements to their references
+  std::vector<double> ratio;  ///< of the displacements to their references, or to lengths where these are 0
+  std::vector<double> error;  ///< of the displacements, over the same
   std::size_t elements = 0;
   RelaxationResult relaxation;
 };
