@@ -70,6 +70,7 @@ struct CarpetEnergy {
   [[nodiscard]] double balance() const {
     return kinetic + strain + hourglass + gravity_potential + damping + eroded - external_work;
   }
+  bool operator==(const CarpetEnergy&) const = default;
 };
 
 /// Nodes: positions at t, translational velocity half a step before.

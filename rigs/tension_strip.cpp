@@ -175,7 +175,7 @@ double largest_principal_strain(const fe::Carpet& carpet) {
   const double back = carpet.last_step();
   double largest = 0;
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
-    if (carpet.eroded()[e]) continue;
+    if (!carpet.eroded().empty() && carpet.eroded()[e]) continue;
     const auto& quad = mesh.quads[e];
     // Tangents at the middle, before (a) and now (b): F a = b, C = F^T F.
     Eigen::Matrix<double, 3, 2> before = Eigen::Matrix<double, 3, 2>::Zero(), now = before;

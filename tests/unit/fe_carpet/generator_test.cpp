@@ -159,6 +159,7 @@ std::vector<Vec3> directions(const ShellMesh& mesh) {
     ends.try_emplace(mesh.surface[e], low, high).first->second.second = high;
   }
   std::vector<Vec3> result;
+  result.reserve(ends.size());
   for (const auto& [surface, end] : ends) result.push_back((end.second - end.first).normalized());
   return result;
 }

@@ -24,7 +24,7 @@ inline Scene coarse_scene(const Overrides& more = {}) {
 
 /// A folder of its own under the temporary folder, emptied.
 inline std::filesystem::path fresh_folder(const std::string& name) {
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

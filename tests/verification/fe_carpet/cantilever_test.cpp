@@ -13,8 +13,6 @@ namespace {
 constexpr double first_root = 1.8751040687119611;         // cosh(x) cos(x) = -1
 constexpr double first_shape_ratio = 0.7340955137589128;  // (cosh + cos)/(sinh + sin) at the root
 
-constexpr double shear_factor = 5.0 / 6;
-
 /// Of Poisson's ratio 0, so that a narrow strip is a beam whatever its width.
 ShellMaterial beam_material() {
   return {0.5e9, 0, 920};

@@ -46,6 +46,7 @@ std::vector<bool> on_edge(const ShellMesh& mesh) {
   for (const auto& quad : mesh.quads)
     for (const Index n : quad) ++elements[static_cast<std::size_t>(n)];
   std::vector<bool> edge;
+  edge.reserve(elements.size());
   for (const int count : elements) edge.push_back(count < 3);
   return edge;
 }
