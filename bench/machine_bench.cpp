@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "fe_carpet/lanes.h"
+#include "core/lanes.h"
 
 namespace {
 

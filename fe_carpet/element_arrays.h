@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fe_carpet/carpet.h"
-#include "fe_carpet/lanes.h"
+#include "core/lanes.h"
 #include "fe_carpet/orthotropic.h"
 #include "fe_carpet/viscoelastic.h"
 

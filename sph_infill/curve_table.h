@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/lane_math.h"
 #include "core/vector.h"
 
 namespace tuft::sph {
@@ -12,19 +13,27 @@ namespace tuft::sph {
 /// y = y0 + slope (exp(rate d) - 1) / rate with d = x - x0; a straight line for rate = 0. Its derivative is
 /// linear in y, dy/dx = slope + rate (y - y0), which is how a modulus that grows linearly with pressure
 /// reads.
-struct CurvePiece {
-  double x0 = 0, y0 = 0, slope = 0, rate = 0;
+///
+/// Real: double, or Pack for a piece a lane.
+template <class Real>
+struct CurvePieceOf {
+  Real x0 = 0, y0 = 0, slope = 0, rate = 0;
 
-  [[nodiscard]] TUFT_HD double value(double x) const {
-    const double d = x - x0;
-    return rate == 0 ? y0 + slope * d : y0 + slope * std::expm1(rate * d) / rate;
+  [[nodiscard]] Real value(const Real& x) const {
+    using std::expm1;
+    const Real d = x - x0, grown = rate * d;
+    const auto straight = grown == Real(0);
+    return y0 + slope * d * select(straight, Real(1), expm1(grown) / select(straight, Real(1), grown));
   }
-  [[nodiscard]] TUFT_HD double derivative_at_value(double y) const { return slope + rate * (y - y0); }
-  [[nodiscard]] TUFT_HD double argument(double y) const {
-    const double d = (y - y0) / slope;
-    return x0 + (rate == 0 ? d : std::log1p(rate * d) / rate);
+  [[nodiscard]] Real derivative_at_value(const Real& y) const { return slope + rate * (y - y0); }
+  [[nodiscard]] Real argument(const Real& y) const {
+    using std::log1p;
+    const Real d = (y - y0) / slope, grown = rate * d;
+    const auto straight = grown == Real(0);
+    return x0 + d * select(straight, Real(1), log1p(grown) / select(straight, Real(1), grown));
   }
 };
+using CurvePiece = CurvePieceOf<double>;
 
 /// A curve from pieces that join. The first piece also serves all smaller x, the last all larger ones.
 class CurveTable {
@@ -47,17 +56,22 @@ class CurveTable {
           static_cast<Index>(search_argument(first_start_ + (static_cast<double>(b) - 0.5) / bins_per_x_));
   }
 
+  /// The piece that serves x.
+  [[nodiscard]] const CurvePiece& piece(double x) const { return pieces_[piece_at(x)]; }
+  /// The piece that takes the value y.
+  [[nodiscard]] const CurvePiece& piece_of_value(double y) const {
+    const auto above = std::upper_bound(pieces_.begin() + 1, pieces_.end(), y,
+                                        [](double v, const CurvePiece& piece) { return v < piece.y0; });
+    return *std::prev(above);
+  }
+
   [[nodiscard]] Point operator()(double x) const {
     const CurvePiece& piece = pieces_[piece_at(x)];
     const double y = piece.value(x);
     return {y, piece.derivative_at_value(y)};
   }
   /// x at which the curve takes the value y.
-  [[nodiscard]] double argument(double y) const {
-    const auto above = std::upper_bound(pieces_.begin() + 1, pieces_.end(), y,
-                                        [](double v, const CurvePiece& piece) { return v < piece.y0; });
-    return std::prev(above)->argument(y);
-  }
+  [[nodiscard]] double argument(double y) const { return piece_of_value(y).argument(y); }
   [[nodiscard]] const std::vector<CurvePiece>& pieces() const { return pieces_; }
 
  private:

@@ -3,6 +3,7 @@
 /// 1999).
 #include <Eigen/Eigenvalues>
 
+#include "core/lane_math.h"
 #include "sph_infill/tensor.h"
 
 namespace tuft::sph {
@@ -28,6 +29,22 @@ inline SymmetricTensor correction_matrix(const SymmetricTensor& moment) {
   const Vec3 inverted = spectrum.eigenvalues().cwiseMax(least_support).cwiseInverse();
   return symmetric_part(spectrum.eigenvectors() * inverted.asDiagonal() *
                         spectrum.eigenvectors().transpose());
+}
+
+/// The same for as many particles as there are lanes: those with little support one by one.
+inline SymmetricTensorOf<Pack> correction_matrices(const SymmetricTensorOf<Pack>& moment) {
+  const Pack det = determinant(moment), sum = trace(moment);
+  const auto supported = det >= (least_support * 0.25) * sum * sum && sum > 0.0;
+  SymmetricTensorOf<Pack> b = inverse(moment, select(supported, det, Pack(1.0)));
+  if (stdx::all_of(supported)) return b;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    if (supported[l]) continue;
+    const SymmetricTensor one = correction_matrix(
+        SymmetricTensor{moment.xx[l], moment.yy[l], moment.zz[l], moment.xy[l], moment.yz[l], moment.zx[l]});
+    b.xx[l] = one.xx, b.yy[l] = one.yy, b.zz[l] = one.zz;
+    b.xy[l] = one.xy, b.yz[l] = one.yz, b.zx[l] = one.zx;
+  }
+  return b;
 }
 
 }  // namespace tuft::sph

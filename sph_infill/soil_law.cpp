@@ -1,11 +1,10 @@
 #include "sph_infill/soil_law.h"
 
-#include <Eigen/LU>
-
 #include <limits>
 #include <string_view>
 
 #include "core/error.h"
+#include "sph_infill/soil_update.h"
 #include "sph_infill/sph_infill.h"
 
 namespace tuft::sph {
@@ -160,87 +159,17 @@ SoilState reference_state(const SoilLaw& law) {
 }
 
 SymmetricTensor rotate(const SymmetricTensor& s, const std::array<double, 3>& w) {
-  // Q = 1 + (W + W^2/2) / (1 + |w|^2/4), the Cayley transform of a skew matrix in closed form.
-  const double f = 1 / (1 + 0.25 * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])), half = 0.5 * f;
-  Mat3 q;
-  q << 1 - half * (w[1] * w[1] + w[2] * w[2]), half * w[0] * w[1] - f * w[2],
-      half * w[0] * w[2] + f * w[1],  //
-      half * w[0] * w[1] + f * w[2], 1 - half * (w[0] * w[0] + w[2] * w[2]),
-      half * w[1] * w[2] - f * w[0],  //
-      half * w[0] * w[2] - f * w[1], half * w[1] * w[2] + f * w[0], 1 - half * (w[0] * w[0] + w[1] * w[1]);
-  return symmetric_part(q * to_matrix(s) * q.transpose());
+  return rotated(s, w);
 }
 
-StrainStep strain_step(const Mat3& velocity_gradient, double dt) {
-  const Mat3 l = dt * velocity_gradient;
-  const Mat3 middle = l * (Mat3::Identity() - 0.5 * l).inverse();
-  return {symmetric_part(middle),
-          {(middle(2, 1) - middle(1, 2)) / 2, (middle(0, 2) - middle(2, 0)) / 2,
-           (middle(1, 0) - middle(0, 1)) / 2}};
+StrainStep strain_step(const Mat3& l, double dt) {
+  const TensorOf<double> gradient{l(0, 0), l(0, 1), l(0, 2), l(1, 0), l(1, 1),
+                                  l(1, 2), l(2, 0), l(2, 1), l(2, 2)};
+  return strain_step_of(gradient, dt);
 }
-
-namespace {
-
-struct PressureStep {
-  double dissipated = 0;  ///< plastic work per volume, J/m^3
-  bool torn = false;      ///< the tension cutoff bites
-};
-
-/// Moves compression, pressure, modulus and the plastic compression on by one strain (positive in
-/// compression).
-PressureStep update_pressure(const SoilLaw& law, double strain, SoilState& state) {
-  const double before = state.compression, pressure_before = state.pressure;
-  state.compression = before + strain;
-  if (state.compression > state.largest_compression) {
-    const double yield_from =
-        before < state.largest_compression ? law.virgin(state.largest_compression).value : pressure_before;
-    state.pressure = law.virgin(state.compression).value;
-    const double elastic_strain = law.elastic.argument(state.pressure);
-    state.bulk_modulus = law.elastic(elastic_strain).derivative;
-    state.largest_compression = state.compression;
-    // Grows by dP (1/P' - 1/K) >= 0; the maximum removes rounding.
-    const double plastic = std::max(state.plastic_compression, state.compression - elastic_strain);
-    const double dissipated = 0.5 * (yield_from + state.pressure) * (plastic - state.plastic_compression);
-    state.plastic_compression = plastic;
-    return {dissipated, false};
-  }
-  const CurveTable::Point elastic = law.elastic(state.compression - state.plastic_compression);
-  const bool torn = elastic.value < -law.tension_cutoff;
-  state.pressure = torn ? -law.tension_cutoff : elastic.value;
-  state.bulk_modulus = elastic.derivative;
-  return {0, torn};
-}
-
-}  // namespace
 
 SoilWork update_soil(const SoilLaw& law, const StrainStep& step, SoilState& state) {
-  const double strain = -trace(step.strain);
-  const SymmetricTensor strain_deviator = deviator(step.strain);
-  const SymmetricTensor turned = rotate(state.deviator, step.rotation);
-  const double pressure_before = state.pressure, modulus_before = state.bulk_modulus;
-
-  const PressureStep pressure_step = update_pressure(law, strain, state);
-  SoilWork work;
-  work.dissipated = pressure_step.dissipated;
-
-  const double twice_shear_modulus = law.shear_ratio * (modulus_before + state.bulk_modulus);
-  const SymmetricTensor trial = turned + twice_shear_modulus * strain_deviator;
-  const double j2 = 0.5 * double_dot(trial, trial);
-  const double limit = pressure_step.torn ? 0 : yield_limit(law, state.pressure);
-  if (j2 > limit) {
-    state.deviator = std::sqrt(limit / j2) * trial;
-    // Plastic strain (s_trial - s)/2G under the mean stress of the step. It is negative only if the step
-    // reverses a deviator that the limit then cuts; the end-point value, never negative, serves there.
-    const SymmetricTensor excess = trial - state.deviator;
-    double dissipated = 0.5 * double_dot(turned + state.deviator, excess);
-    if (dissipated < 0) dissipated = double_dot(state.deviator, excess);
-    work.dissipated += dissipated / twice_shear_modulus;
-  } else {
-    state.deviator = trial;
-  }
-  work.total = 0.5 * (pressure_before + state.pressure) * strain +
-               0.5 * double_dot(turned + state.deviator, strain_deviator);
-  return work;
+  return update_soil_state(LawOfPoint(law), step, state);
 }
 
 double constrained_modulus(const SoilFoamMaterial& material, double pressure) {

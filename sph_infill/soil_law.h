@@ -32,27 +32,34 @@ struct SoilLaw {
 };
 
 /// State of one material point. The first four are what a checkpoint needs besides the deviator.
-struct SoilState {
-  double compression = 0;          ///< e = ln(rho/rho0)
-  double largest_compression = 0;  ///< largest e so far on first loading, >= 0
-  double plastic_compression = 0;  ///< e_p
-  double pressure = 0;             ///< Pa
-  double bulk_modulus = 0;         ///< K at that pressure, Pa
-  SymmetricTensor deviator;        ///< s, Pa
+/// Real: double for one point, Pack for as many as there are lanes.
+template <class Real>
+struct SoilStateOf {
+  Real compression = 0;              ///< e = ln(rho/rho0)
+  Real largest_compression = 0;      ///< largest e so far on first loading, >= 0
+  Real plastic_compression = 0;      ///< e_p
+  Real pressure = 0;                 ///< Pa
+  Real bulk_modulus = 0;             ///< K at that pressure, Pa
+  SymmetricTensorOf<Real> deviator;  ///< s, Pa
 };
+using SoilState = SoilStateOf<double>;
 
 /// Motion over one step at its middle configuration: strain D dt and the axial vector of the spin W dt
 /// (w = curl(v)/2 dt).
-struct StrainStep {
-  SymmetricTensor strain;
-  std::array<double, 3> rotation{};
+template <class Real>
+struct StrainStepOf {
+  SymmetricTensorOf<Real> strain;
+  std::array<Real, 3> rotation{};
 };
+using StrainStep = StrainStepOf<double>;
 
 /// Work of one step per volume (of the middle of the step), J/m^3.
-struct SoilWork {
-  double total = 0;       ///< sigma : D dt
-  double dissipated = 0;  ///< of which plastic, >= 0
+template <class Real>
+struct SoilWorkOf {
+  Real total = 0;       ///< sigma : D dt
+  Real dissipated = 0;  ///< of which plastic, >= 0
 };
+using SoilWork = SoilWorkOf<double>;
 
 /// Prepares a law. Beyond its last point the virgin curve goes on as an exponential: slope K_n + b (P - P_n),
 /// where b is the growth of slope with pressure over the last two segments (0 if they do not stiffen) and K_n
@@ -63,7 +70,7 @@ struct SoilWork {
 /// Stress-free at the reference density.
 [[nodiscard]] SoilState reference_state(const SoilLaw& law);
 
-/// Advances a point by one step.
+/// Advances a point by one step. For many at once: soil_update.h.
 SoilWork update_soil(const SoilLaw& law, const StrainStep& step, SoilState& state);
 
 /// Largest J2 at pressure p, Pa^2, >= 0.

@@ -13,6 +13,7 @@
 /// Wendland C2, and 0.91-1.05 for h = 0.71 pitch, cubic spline; regular, jittered by 0.1 and 0.25 pitch,
 /// squeezed by 20 %. So dt = 2/(1.16 omega_i), rounded down, is below the limit by 2-6 % and by 11-23 %.
 #include <cmath>
+#include <type_traits>
 
 #include "core/scene.h"
 
@@ -38,11 +39,14 @@ struct StepLimit {
 /// dt = (2/omega)(sqrt(1 + xi^2) - xi). Measured: xi = 0.10-0.12 alpha; its quadratic term has alpha c + beta
 /// h |D| in place of alpha c. |D| is added to the frequency, for the geometry behind omega_i changes by |D|
 /// dt within the step.
-[[nodiscard]] TUFT_HD inline double particle_stable_step(const StepLimit& limit, double frequency,
-                                                         double wave_speed, double strain_rate) {
-  const double speed_ratio = limit.smoothing_length * strain_rate / wave_speed;
-  const double xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio);
-  return stable_phase / (frequency + strain_rate) * (std::sqrt(1 + xi * xi) - xi);
+template <class Real>
+[[nodiscard]] TUFT_HD Real particle_stable_step(const StepLimit& limit, const Real& frequency,
+                                                const std::type_identity_t<Real>& wave_speed,
+                                                const std::type_identity_t<Real>& strain_rate) {
+  using std::sqrt;
+  const Real speed_ratio = limit.smoothing_length * strain_rate / wave_speed;
+  const Real xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio);
+  return stable_phase / (frequency + strain_rate) * (sqrt(1.0 + xi * xi) - xi);
 }
 
 }  // namespace tuft::sph

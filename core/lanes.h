@@ -9,7 +9,7 @@
 
 #include "core/vector.h"
 
-namespace tuft::fe {
+namespace tuft {
 
 namespace stdx = std::experimental;
 
@@ -51,4 +51,11 @@ inline void store(double* aligned, const Pack& value) {
   return sum;
 }
 
-}  // namespace tuft::fe
+[[nodiscard]] inline double smallest_lane(const Pack& value) {
+  double smallest = value[0];
+  for (std::size_t lane = 1; lane < lanes; ++lane)
+    smallest = value[lane] < smallest ? double(value[lane]) : smallest;
+  return smallest;
+}
+
+}  // namespace tuft

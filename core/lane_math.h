@@ -1,0 +1,102 @@
+#pragma once
+/// Functions of a Pack that the standard library has for one number alone, and what lets one template serve
+/// both.
+///
+/// Each follows from its series after reduction of the argument; within 3 units in the last place of the
+/// correctly rounded value for the ranges given (tests/unit/core/lane_math_test.cpp).
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "core/lanes.h"
+
+namespace tuft {
+
+using PackMask = Pack::mask_type;
+/// The bits of a pack's numbers.
+using PackBits = stdx::rebind_simd_t<std::int64_t, Pack>;
+
+[[nodiscard]] inline double select(bool which, double yes, double no) {
+  return which ? yes : no;
+}
+[[nodiscard]] inline Pack select(const PackMask& which, const Pack& yes, const Pack& no) {
+  Pack chosen = no;
+  stdx::where(which, chosen) = yes;
+  return chosen;
+}
+[[nodiscard]] inline bool any(bool which) {
+  return which;
+}
+[[nodiscard]] inline bool any(const PackMask& which) {
+  return stdx::any_of(which);
+}
+
+namespace detail {
+
+/// sum_k c[k] x^k by Horner's rule.
+template <std::size_t count>
+[[nodiscard]] inline Pack polynomial(const Pack& x, const std::array<double, count>& c) {
+  Pack sum = c[count - 1];
+  for (std::size_t k = count - 1; k-- > 0;) sum = sum * x + c[k];
+  return sum;
+}
+
+inline constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
+
+/// x = k ln 2 + r with |r| <= ln 2/2: expm1(r) and 2^k.
+struct ReducedExponential {
+  Pack expm1, scale;
+
+  explicit ReducedExponential(const Pack& x) {
+    constexpr double largest = 700;  // e^x stays a number, and so does 2^k
+    const Pack held = select(x > largest, Pack(largest), select(x < -largest, Pack(-largest), x));
+    constexpr double to_integer = 0x1.8p52;  // adding it leaves the nearest integer in the low bits
+    const Pack shifted = held * (1 / (ln2_high + ln2_low)) + to_integer, k = shifted - to_integer;
+    const Pack r = (held - k * ln2_high) - k * ln2_low;
+    // (e^r - 1 - r)/r^2 up to r^12/14!: beyond, terms are below 1e-17 of the first.
+    constexpr std::array<double, 13> c{1.0 / 2,          1.0 / 6,        1.0 / 24,        1.0 / 120,
+                                       1.0 / 720,        1.0 / 5040,     1.0 / 40320,     1.0 / 362880,
+                                       1.0 / 3628800,    1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800,
+                                       1.0 / 87178291200};
+    expm1 = r + r * r * polynomial(r, c);
+    constexpr int bias = 1023, fraction_bits = 52;
+    scale = std::bit_cast<Pack>((std::bit_cast<PackBits>(shifted) + bias) << fraction_bits);
+  }
+};
+
+}  // namespace detail
+
+/// e^x; beyond |x| = 700 as at 700.
+[[nodiscard]] inline Pack exp(const Pack& x) {
+  const detail::ReducedExponential e(x);
+  return e.scale * e.expm1 + e.scale;
+}
+
+/// e^x - 1, as precise near 0; beyond |x| = 700 as at 700.
+[[nodiscard]] inline Pack expm1(const Pack& x) {
+  const detail::ReducedExponential e(x);
+  return e.scale * e.expm1 + (e.scale - 1.0);
+}
+
+/// ln(1 + x), as precise near 0; x > -1 and normal 1 + x, or NaN.
+[[nodiscard]] inline Pack log1p(const Pack& x) {
+  const Pack u = 1.0 + x;
+  // u = 2^k m with m in [sqrt(1/2), sqrt 2): the exponent is taken off relative to the lower end's.
+  constexpr std::int64_t lower_end = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000;
+  constexpr std::int64_t fraction = 0x000fffffffffffff, two_to_52 = 0x4330000000000000;
+  const PackBits shifted = std::bit_cast<PackBits>(u) + (one - lower_end);
+  const Pack m = std::bit_cast<Pack>((shifted & fraction) + lower_end);
+  const Pack k = std::bit_cast<Pack>((shifted >> 52) | two_to_52) - (0x1p52 + 1023);
+  // ln m = 2 artanh(s), s = (m - 1)/(m + 1), |s| < 0.172: up to s^21/21.
+  const Pack s = (m - 1.0) / (m + 1.0);
+  constexpr std::array<double, 11> c{1.0,      1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9, 1.0 / 11,
+                                     1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21};
+  const Pack lost = (x - (u - 1.0)) / u;  // by rounding of 1 + x
+  const Pack logarithm =
+      k * detail::ln2_high + (2.0 * s * detail::polynomial(s * s, c) + (k * detail::ln2_low + lost));
+  // NaN has an exponent too; it must stay what it is.
+  return select(x == x, logarithm, x);
+}
+
+}  // namespace tuft

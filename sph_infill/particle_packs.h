@@ -1,0 +1,57 @@
+#pragma once
+/// What the passes over particles share: blocks for the threads, packs of a block's particles, the kernel.
+#include <algorithm>
+#include <array>
+
+#include "core/lane_math.h"
+#include "core/parallel.h"
+#include "sph_infill/kernel.h"
+#include "sph_infill/sph_loops.h"
+
+namespace tuft::sph {
+
+/// Calls work(block, begin, end) for each block of particles, on all threads.
+template <class Work>
+void for_blocks(std::size_t count, Work&& work) {
+  const std::size_t blocks = (count + block_size - 1) / block_size;
+  parallel_for(blocks,
+               [&](std::size_t b) { work(b, b * block_size, std::min(count, (b + 1) * block_size)); });
+}
+
+/// Calls body(kernel) with the chosen kernel as a value of its own type.
+template <class Body>
+auto with_kernel(const SphOptions& options, Body&& body) {
+  if (options.kernel == Kernel::cubic_spline) return body(CubicSpline(options.smoothing_length));
+  return body(WendlandC2(options.smoothing_length));
+}
+
+/// Particles whose pair sums wait in the first-level cache for what follows from them.
+inline constexpr std::size_t tile_size = 64;
+static_assert(block_size % tile_size == 0 && tile_size % lanes == 0);
+
+/// Sums of a tile's particles, a row each.
+template <std::size_t rows>
+struct Tile {
+  alignas(stdx::memory_alignment_v<Pack>) std::array<std::array<double, tile_size>, rows> row;
+  [[nodiscard]] Pack pack(std::size_t r, std::size_t first) const { return load(&row[r][first]); }
+};
+
+/// `count` of the lanes are particles; the last pack of all may have fewer. The others repeat the first.
+[[nodiscard]] inline Pack load_lanes(const double* first, std::size_t count) {
+  if (count >= lanes) return Pack(first, stdx::element_aligned);
+  return Pack([&](std::size_t lane) { return first[lane < count ? lane : 0]; });
+}
+[[nodiscard]] inline Pack load_lanes(const std::vector<double>& values, std::size_t i, std::size_t count) {
+  return load_lanes(&values[i], count);
+}
+inline void store_lanes(const Pack& pack, std::vector<double>& values, std::size_t i, std::size_t count) {
+  if (count >= lanes) return pack.copy_to(&values[i], stdx::element_aligned);
+  for (std::size_t lane = 0; lane < count; ++lane) values[i + lane] = pack[lane];
+}
+/// Adds the particles' lanes alone.
+[[nodiscard]] inline Pack only(const Pack& pack, std::size_t count) {
+  if (count >= lanes) return pack;
+  return Pack([&](std::size_t lane) { return lane < count ? double(pack[lane]) : 0.0; });
+}
+
+}  // namespace tuft::sph
