@@ -41,17 +41,17 @@ void machine_arithmetic(benchmark::State& state) {
   for (auto _ : state) {
 #pragma omp parallel reduction(+ : sum)
     {
-      fe::Pack x[chains];
+      Pack x[chains];
       for (int c = 0; c < chains; ++c) x[c] = 1.0 + 1e-3 * c;
-      const fe::Pack factor(0.999), step(1e-3);
+      const Pack factor(0.999), step(1e-3);
       for (int r = 0; r < rounds; ++r)
         for (int c = 0; c < chains; ++c) x[c] = x[c] * factor + step;
-      for (int c = 0; c < chains; ++c) sum += fe::sum_lanes(x[c]);
+      for (int c = 0; c < chains; ++c) sum += sum_lanes(x[c]);
     }
     benchmark::DoNotOptimize(sum);
   }
   const double flops =
-      2.0 * static_cast<double>(fe::lanes) * chains * rounds * static_cast<double>(state.range(0));
+      2.0 * static_cast<double>(lanes) * chains * rounds * static_cast<double>(state.range(0));
   state.counters["flops"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * flops, benchmark::Counter::kIsRate);
 }
