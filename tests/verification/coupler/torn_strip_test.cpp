@@ -168,27 +168,25 @@ TEST_P(TornStrip, GoesOnFromACheckpointWithTheSameBits) {
   expect_same_bits_resumed(setup, 1e-5, false);
 }
 
-TEST_P(TornStrip, GoesOnWithTheSameBitsWhenSubcycledAndWithMassesScaled) {
+/// Half of the strip is soft enough to be evaluated every few steps; shells everywhere can fail.
+StripCase two_rates(double window) {
   StripCase setup;
-  setup.window = GetParam();
+  setup.window = window;
   setup.clamp = true;
   setup.failure_strain = 0.05;
   setup.elements = 20;
   setup.softer_half = 1.0 / 40;
   setup.subcycle = true;
   setup.mass_scaling_limit = 0.2;
-  expect_same_bits_resumed(setup, 3.7e-5, true);
+  return setup;
+}
+
+TEST_P(TornStrip, GoesOnWithTheSameBitsWhenSubcycledAndWithMassesScaled) {
+  expect_same_bits_resumed(two_rates(GetParam()), 3.7e-5, true);
 }
 
 TEST_P(TornStrip, KeepsItsBooksWhenSubcycledAndWithMassesScaled) {
-  StripCase setup;
-  setup.window = GetParam();
-  setup.clamp = true;
-  setup.failure_strain = 0.05;
-  setup.elements = 20;
-  setup.softer_half = 1.0 / 40;
-  setup.subcycle = true;
-  setup.mass_scaling_limit = 0.2;
+  StripCase setup = two_rates(GetParam());
   setup.coupling_particle_stiffness = 1e4;
   auto infill = std::make_unique<PointInfill>();
   infill->add(Vec3(0.0071, 0.0002, 0.004), Vec3(0, 0, -40), 0.002, 1e-4);
