@@ -70,7 +70,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
   result.contact = compute_contact_force(parameters, kinematics, dt, history);
   result.released = release_work(parameters.stiffness, kinematics.overlap,
-                                 history.offset / root * (release_before - release));
+                                 history.offset / root * (release_before - release), kinematics.closing * dt);
   result.touching = true;
   return result;
 }

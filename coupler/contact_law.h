@@ -69,10 +69,14 @@ inline double damping_ratio_of_restitution(double restitution) {
   return restitution >= 1 ? 0 : 0.5 * (low + high);
 }
 
-/// Energy put into a normal spring by letting `let_go` (m) of its offset go while nothing moves.
-inline double release_work(double stiffness, double overlap, double let_go) {
-  const double before = std::max(0.0, overlap - let_go);
-  return 0.5 * stiffness * (overlap * overlap - before * before);
+/// Energy put into a normal spring by letting `let_go` (m) of its offset go over a step in which motion alone
+/// added `moved` (m) to its overlap: under the mean of the forces before and after, as leapfrog's kicks do
+/// the rest of the spring's work. (For an overlap held fast, as if nothing moved, the work of a step would be
+/// off by half of stiffness x let_go x moved, and an overlap let go slowly moves nearly as far as it is let
+/// go.)
+inline double release_work(double stiffness, double overlap, double let_go, double moved) {
+  const double before = std::max(0.0, overlap - let_go - moved);
+  return 0.5 * stiffness * (overlap + before) * let_go;
 }
 
 /// mu(v) = FD + (FS - FD) exp(-DC v).

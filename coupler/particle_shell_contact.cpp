@@ -130,7 +130,8 @@ void ParticleShellContact::evaluate_pair(std::size_t pair, const Moment& now, Bl
   block.energy.damped += contact.damped;
   block.energy.friction += contact.friction;
   block.energy.released +=
-      release_work(stiffness, depth, history.offset / root * (now.release_before - now.release));
+      release_work(stiffness, depth, history.offset / root * (now.release_before - now.release),
+                   kinematics.closing * now.dt);
   block.softening += settings_.stiffness[p] / stiffness;
   block.particles.push_back({contact.force, -radius * kinematics.normal, p});
   // Each facet takes its own normal's part of the push, which is what the overlap's energy asks for.

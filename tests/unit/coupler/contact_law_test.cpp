@@ -54,6 +54,25 @@ TEST(ContactLaw, DampedEnergyIsTheKineticEnergyLost) {
   EXPECT_NEAR(b.damped / lost, 1, 5e-3);
 }
 
+TEST(ContactLaw, WorkOfAnOverlapLetGoIsWhatMassAndSpringGainToRounding) {
+  constexpr double stiffness = 1e5, mass = 1e-4, first_overlap = 5e-4, steps = 400;
+  const double dt = 0.02 * std::sqrt(mass / stiffness), let_go = first_overlap / steps;
+  double overlap = first_overlap, speed = 0, work = 0;
+  int loaded = 0;
+  for (int k = 1; k < steps; ++k, ++loaded) {
+    overlap += speed * dt;
+    const double depth = overlap - first_overlap * (1 - k / steps);
+    if (!(depth > 0)) break;
+    work += release_work(stiffness, depth, let_go, speed * dt);
+    const double before = speed;
+    speed -= stiffness * depth / mass * dt;
+    ASSERT_NEAR(0.5 * mass * before * speed + 0.5 * stiffness * depth * depth, work, 1e-12 * work) << k;
+  }
+  EXPECT_GT(loaded, 100);
+  EXPECT_NEAR(overlap - first_overlap, -let_go * loaded, 0.1 * let_go * loaded)
+      << "it moves as far as it is let go";
+}
+
 TEST(ContactLaw, ForceNeverPulls) {
   const ContactParameters p{1e4, 0.9, 0.5, {}};
   ContactHistory history;
