@@ -115,12 +115,20 @@ static_assert([] {
   return true;
 }());
 
+bool is_of_other_approach(const EffectRule& rule, const Scene& scene) {
+  return rule.only && *rule.only != scene.infill.approach;
+}
+
+Switch choice_of(const EffectRule& rule, const Scene& scene) {
+  const auto chosen = scene.effects.choice.find(std::string(rule.name));
+  return chosen == scene.effects.choice.end() ? Switch::automatic : chosen->second;
+}
+
 EffectDecision decide(const EffectRule& rule, const Scene& scene) {
   const std::string name(rule.name);
-  if (rule.only && *rule.only != scene.infill.approach)
+  if (is_of_other_approach(rule, scene))
     return {name, false, *rule.only == Approach::sph ? "only for sph infill" : "only for dem infill"};
-  const auto chosen = scene.effects.choice.find(name);
-  const Switch choice = chosen == scene.effects.choice.end() ? Switch::automatic : chosen->second;
+  const Switch choice = choice_of(rule, scene);
   if (choice == Switch::on) return {name, true, "switched on in the scene"};
   if (choice == Switch::off) return {name, false, "switched off in the scene"};
   const Need need = rule.needed(scene);
@@ -135,6 +143,15 @@ std::vector<EffectDecision> decide_effects(const Scene& scene) {
   for (const EffectRule& rule : rules)
     if (!scene.rig.is_component() || rule.name == "erosion") decisions.push_back(decide(rule, scene));
   return decisions;
+}
+
+std::optional<EffectDecision> idle_effect(const Scene& scene) {
+  for (const EffectRule& rule : rules) {
+    if (choice_of(rule, scene) != Switch::on || is_of_other_approach(rule, scene)) continue;
+    if (const Need need = rule.needed(scene); !need.on)
+      return EffectDecision{std::string(rule.name), false, need.why};
+  }
+  return std::nullopt;
 }
 
 bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name) {

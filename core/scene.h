@@ -311,6 +311,8 @@ struct EffectDecision {
 /// (velocity-dependent friction), artificial_viscosity, tension_cutoff, rolling_resistance, overlap_release,
 /// contact_damping, erosion.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
+/// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
+[[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);
 [[nodiscard]] bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name);
 
 }  // namespace tuft

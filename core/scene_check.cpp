@@ -192,13 +192,11 @@ void complete_tension(Scene& scene, const Places& places) {
 }
 
 /// An effect that is asked for must have something to act on.
-void check_erosion(const Scene& scene, const Places& places) {
-  const auto choice = scene.effects.choice.find("erosion");
-  if (choice == scene.effects.choice.end() || choice->second != Switch::on) return;
-  if (!scene.turf.carpet.fibre.can_fail() && !scene.turf.carpet.backing.can_fail())
-    places.fail("effects.erosion",
-                "nothing can fail: give turf.carpet.fibre or turf.carpet.backing a failure_strain, or leave "
-                "this \"auto\"");
+void check_effects(const Scene& scene, const Places& places) {
+  if (const auto idle = idle_effect(scene))
+    places.fail("effects." + idle->name,
+                fmt::format("switched on, but has nothing to act on: {}; change that, or leave this \"auto\"",
+                            idle->why));
 }
 
 }  // namespace
@@ -226,7 +224,7 @@ void complete_scene(Scene& scene, const Places& places) {
   check_layers(scene, places);
   check_tray(scene, places);
   check_missile(scene, places);
-  check_erosion(scene, places);
+  check_effects(scene, places);
 }
 
 }  // namespace tuft

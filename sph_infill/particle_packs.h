@@ -33,7 +33,6 @@ static_assert(block_size % tile_size == 0 && tile_size % lanes == 0);
 template <std::size_t rows>
 struct Tile {
   alignas(stdx::memory_alignment_v<Pack>) std::array<std::array<double, tile_size>, rows> row;
-  [[nodiscard]] Pack pack(std::size_t r, std::size_t first) const { return load(&row[r][first]); }
 };
 
 /// `count` of the lanes are particles; the last pack of all may have fewer. The others repeat the first.

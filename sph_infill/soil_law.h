@@ -73,12 +73,6 @@ using SoilWork = SoilWorkOf<double>;
 /// Advances a point by one step. For many at once: soil_update.h.
 SoilWork update_soil(const SoilLaw& law, const StrainStep& step, SoilState& state);
 
-/// Largest J2 at pressure p, Pa^2, >= 0.
-[[nodiscard]] inline double yield_limit(const SoilLaw& law, double p) {
-  const double q = std::max(p, law.yield_vertex);
-  return std::max(0.0, law.yield_a0 + q * (law.yield_a1 + q * law.yield_a2));
-}
-
 /// s turned by the rotation of axial vector w over one step: s' = Q s Q^T, Q = (1 - W/2)^-1 (1 + W/2) (Hughes
 /// & Winget 1980). Q is a rotation for any w; with w from the middle configuration it is the exact one.
 [[nodiscard]] SymmetricTensor rotate(const SymmetricTensor& s, const std::array<double, 3>& w);

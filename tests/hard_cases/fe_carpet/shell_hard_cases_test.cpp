@@ -138,10 +138,7 @@ TEST_P(ShellHardCase, NeighboursWhoseThicknessesAreAThousandToOneKeepTheirEnergy
 
 INSTANTIATE_TEST_SUITE_P(Of, ShellHardCase,
                          testing::Values(ElementKind::one_point, ElementKind::fully_integrated),
-                         [](const auto& parameter) {
-                           return parameter.param == ElementKind::one_point ? "one_point"
-                                                                            : "fully_integrated";
-                         });
+                         [](const auto& p) { return name_of(p.param); });
 
 }  // namespace
 }  // namespace tuft::fe::test

@@ -104,10 +104,7 @@ TEST_P(StepOverTheLimit, ByMinusFivePercentIsNoneAndTheLedgerStaysClosed) {
 
 INSTANTIATE_TEST_SUITE_P(Of, StepOverTheLimit,
                          testing::Values(ElementKind::one_point, ElementKind::fully_integrated),
-                         [](const auto& parameter) {
-                           return parameter.param == ElementKind::one_point ? "one_point"
-                                                                            : "fully_integrated";
-                         });
+                         [](const auto& p) { return name_of(p.param); });
 
 }  // namespace
 }  // namespace tuft::fe::test

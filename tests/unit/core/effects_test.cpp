@@ -8,6 +8,7 @@
 namespace tuft {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 EffectDecision decide(const std::string& name, const Overrides& overrides) {
@@ -76,16 +77,21 @@ TEST(Effects, AreFoundByName) {
   EXPECT_FALSE(effect_on(decisions, "c"));
 }
 
-TEST(Effects, ErosionIsRefusedWhereNothingCanFail) {
-  try {
-    (void)read_scene("inputs/clegg_small.toml", {{"effects.erosion", "true"}});
-    ADD_FAILURE() << "not refused";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("effects.erosion"));
-    EXPECT_THAT(error.what(), HasSubstr("failure_strain"));
-  }
-  EXPECT_TRUE(
-      decide("erosion", {{"effects.erosion", "true"}, {"turf.carpet.fibre.failure_strain", "0.4"}}).on);
+TEST(Effects, SwitchedOnWithNothingToActOnAreRefusedByName) {
+  const auto said = [](const Overrides& overrides) -> std::string {
+    try {
+      (void)read_scene("inputs/clegg_small.toml", overrides);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(said({{"effects.erosion", "true"}}),
+              AllOf(HasSubstr("effects.erosion"), HasSubstr("no shell material has a failure_strain")));
+  EXPECT_THAT(said({{"effects.overlap_release", "true"}, {"numerics.contact_release_time", "0 s"}}),
+              AllOf(HasSubstr("effects.overlap_release"), HasSubstr("contact_release_time is 0")));
+  EXPECT_EQ(said({{"effects.erosion", "true"}, {"turf.carpet.fibre.failure_strain", "0.4"}}), "");
+  EXPECT_EQ(said({{"effects.erosion", "false"}}), "");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "sph_infill/soil_update.h"
 #include "tests/unit/sph_infill/sph_test_support.h"
 
 namespace tuft::sph {
@@ -125,7 +126,7 @@ TEST(SoilLaw, DeviatorNeverLeavesTheYieldSurfaceAndReturnsRadially) {
   const SoilLaw law = make_soil_law(test::mixture_material());
   SoilState state = reference_state(law);
   go_to(law, state, 0.1, 20);
-  const double limit = yield_limit(law, state.pressure);
+  const double limit = yield_limit_of(LawOfPoint(law), state.pressure);
   update_soil(law, {{0, 0, 0, 0.3, 0.1, 0}, {}}, state);
   EXPECT_NEAR(0.5 * double_dot(state.deviator, state.deviator), limit, 1e-12 * limit);
   EXPECT_NEAR(state.deviator.xy / state.deviator.yz, 3, 1e-12);
@@ -147,11 +148,11 @@ TEST(SoilLaw, YieldLimitNeverRisesInTension) {
   SoilFoamMaterial material = test::mixture_material();
   SoilLaw law = make_soil_law(material);
   const double apex = -material.yield_a1 / (2 * material.yield_a2);
-  EXPECT_NEAR(yield_limit(law, apex), 0, 1e-6);
-  EXPECT_EQ(yield_limit(law, 10 * apex), yield_limit(law, apex));
+  EXPECT_NEAR(yield_limit_of(LawOfPoint(law), apex), 0, 1e-6);
+  EXPECT_EQ(yield_limit_of(LawOfPoint(law), 10 * apex), yield_limit_of(LawOfPoint(law), apex));
   material.yield_a1 = 0;  // J2 <= k^2 + alpha^2 p^2
   law = make_soil_law(material);
-  EXPECT_EQ(yield_limit(law, -1e5), material.yield_a0);
+  EXPECT_EQ(yield_limit_of(LawOfPoint(law), -1e5), material.yield_a0);
 }
 
 TEST(SoilLaw, TensionCutoffHoldsPressureZeroesTheDeviatorAndRemembersTheGap) {

@@ -1,6 +1,7 @@
 #pragma once
 /// A few masses and one shell strip, free in space or held.
 #include <cmath>
+#include <optional>
 
 #include "coupler/simulation.h"
 #include "point_infill.h"
@@ -65,6 +66,7 @@ struct StripCase {
   double softer_half = 0;  ///< Young's modulus of the half at larger x over the other's; 0: all the same
   bool subcycle = false;
   double mass_scaling_limit = 0;
+  std::optional<double> floor;  ///< m, height of a fixed plane
 };
 
 inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
@@ -100,6 +102,13 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   parts.numerics.coupling_window = setup.window;
   parts.numerics.contact_release_time = setup.release_time;
   parts.numerics.energy_error_limit = 1e9;
+  if (setup.floor) {
+    RigidBody floor;
+    floor.name = "floor";
+    floor.shape = HalfSpace{Vec3(0, 0, 1)};
+    floor.position = Vec3(0, 0, *setup.floor);
+    parts.bodies.push_back(floor);
+  }
   parts.skin = 5e-4;
   parts.release_overlap = setup.release;
   return Simulation(std::move(parts));

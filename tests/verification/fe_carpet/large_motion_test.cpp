@@ -125,10 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Creep,
                                          ShellSection{ElementKind::one_point, 3},
                                          ShellSection{ElementKind::fully_integrated, 1},
                                          ShellSection{ElementKind::fully_integrated, 3}),
-                         [](const auto& p) {
-                           return (p.param.element == ElementKind::one_point ? "one_point_" : "full_") +
-                                  std::to_string(p.param.thickness_points);
-                         });
+                         [](const auto& p) { return name_of(p.param); });
 
 }  // namespace
 }  // namespace tuft::fe::test

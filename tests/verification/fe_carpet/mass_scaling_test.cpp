@@ -35,10 +35,7 @@ class MassScalingOf : public testing::TestWithParam<ElementKind> {
 
 INSTANTIATE_TEST_SUITE_P(, MassScalingOf,
                          testing::Values(ElementKind::one_point, ElementKind::fully_integrated),
-                         [](const auto& parameter) {
-                           return parameter.param == ElementKind::one_point ? "one_point"
-                                                                            : "fully_integrated";
-                         });
+                         [](const auto& p) { return name_of(p.param); });
 
 void shake(Carpet& carpet) {
   const NodeView nodes = carpet.nodes();

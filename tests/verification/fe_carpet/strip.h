@@ -45,6 +45,14 @@ inline ShellMaterial polyethylene() {
   return {0.5e9, 0.4, 920};
 }
 
+/// For names of parameterised tests.
+inline std::string name_of(ElementKind element) {
+  return element == ElementKind::one_point ? "one_point" : "fully_integrated";
+}
+inline std::string name_of(const ShellSection& section) {
+  return name_of(section.element) + "_" + std::to_string(section.thickness_points);
+}
+
 inline CarpetOptions no_gravity() {
   CarpetOptions options;
   options.gravity = Vec3(0, 0, 0);
