@@ -70,5 +70,19 @@ TEST(LaneMath, ExponentialBeyondItsRangeIsThatOfTheEdge) {
   EXPECT_TRUE(std::isfinite(double(exp(Pack(1e300))[0])));
 }
 
+/// Some compilers get masked assignment of whole vectors wrong; all loops that select lanes would be.
+TEST(LaneMath, SelectionAndMaskedAssignmentTakeEachLaneByItself) {
+  const Pack x([](auto lane) { return lane % 2 == 0 ? 1.5 : -2.5; });
+  Pack assigned = x;
+  stdx::where(x < 0.0, assigned) = 7.0;
+  const Pack selected = select(x < 0.0, Pack(7.0), x);
+  for (std::size_t l = 0; l < lanes; ++l) {
+    EXPECT_EQ(assigned[l], l % 2 == 0 ? 1.5 : 7) << l;
+    EXPECT_EQ(selected[l], l % 2 == 0 ? 1.5 : 7) << l;
+  }
+  EXPECT_TRUE(any(x < 0.0));
+  EXPECT_FALSE(any(x > 2.0));
+}
+
 }  // namespace
 }  // namespace tuft
