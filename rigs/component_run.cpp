@@ -124,8 +124,7 @@ class ComponentRunner {
       share = std::max(share, terms.kinetic_carpet / (terms.strain_carpet + terms.kinetic_carpet));
     state_.rows.at(state_.test).push_back(row);
     append_tension_row(*record_, state_.time_before + row.time, state_.test, strip_->rate(), row, *ledger_);
-    constexpr std::size_t fewest_whole_rows = 2;
-    if (row.failed && state_.rows[state_.test].size() <= fewest_whole_rows)
+    if (row.failed && whole_rows(state_.rows[state_.test]).size() < fewest_whole_rows)
       throw_run_error(
           "{}: the strip failed within the first of {} rows at {:g} 1/s, with nothing measured before; raise "
           "rig.samples or lower rig.strain_limit",
@@ -201,7 +200,7 @@ class ComponentRunner {
 
   void measure() {
     for (std::size_t test = 0; test < rig_.rates.size(); ++test) {
-      if (state_.rows[test].size() > 1)
+      if (whole_rows(state_.rows[test]).size() >= fewest_whole_rows)
         add_tension_results(summary_.results, rig_.rates[test], state_.rows[test]);
       if (state_.kinetic_share[test] > 0)
         summary_.notes[fmt::format("rate_{:g}_kinetic_share", rig_.rates[test])] = {

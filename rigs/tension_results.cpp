@@ -9,6 +9,12 @@ constexpr double modulus_from = 0.0005, modulus_to = 0.0025;  // ISO 527-1, seca
 
 }  // namespace
 
+std::span<const TensionRow> whole_rows(std::span<const TensionRow> rows) {
+  const auto first_failed =
+      std::find_if(rows.begin(), rows.end(), [](const TensionRow& row) { return row.failed; });
+  return rows.first(static_cast<std::size_t>(first_failed - rows.begin()));
+}
+
 std::optional<double> stress_at(std::span<const TensionRow> rows, double strain) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const TensionRow &a = rows[i - 1], &b = rows[i];
@@ -20,10 +26,8 @@ std::optional<double> stress_at(std::span<const TensionRow> rows, double strain)
 
 TensionResults evaluate_tension(std::span<const TensionRow> rows) {
   TensionResults results;
-  const auto first_failed =
-      std::find_if(rows.begin(), rows.end(), [](const TensionRow& row) { return row.failed; });
-  const auto whole = rows.first(static_cast<std::size_t>(first_failed - rows.begin()));
-  if (first_failed != rows.end() && !whole.empty()) {
+  const auto whole = whole_rows(rows);
+  if (whole.size() < rows.size() && !whole.empty()) {
     results.strain_at_failure = whole.back().strain;
     results.stress_at_failure = whole.back().stress;
   }

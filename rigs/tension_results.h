@@ -29,7 +29,13 @@ struct TensionResults {
   std::optional<double> strain_at_failure, stress_at_failure;
 };
 
-/// Pure evaluation of a test's rows, in order of time; needs at least two.
+/// The rows before the first failed one.
+[[nodiscard]] std::span<const TensionRow> whole_rows(std::span<const TensionRow> rows);
+
+/// Whole rows without which nothing can be said of a test.
+inline constexpr std::size_t fewest_whole_rows = 2;
+
+/// Pure evaluation of a test's rows, in order of time; at least `fewest_whole_rows` of them are whole.
 [[nodiscard]] TensionResults evaluate_tension(std::span<const TensionRow> rows);
 
 /// Engineering stress at a strain, linear between rows; empty outside of them.

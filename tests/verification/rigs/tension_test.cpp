@@ -225,6 +225,20 @@ TEST(Tension, FailsAtTheLastWholeRow) {
   EXPECT_FALSE(evaluate_tension(std::span(rows).first(49)).strain_at_failure.has_value());
 }
 
+TEST(Tension, ThatFailsBeforeAnythingIsMeasuredSaysSoAndGivesNoResults) {
+  RunRequest request;
+  request.scene = strand(
+      {{"rig.rates", "[\"500 Hz\"]"}, {"rig.samples", "20"}, {"turf.carpet.fibre.failure_strain", "0.001"}});
+  request.folder = std::filesystem::temp_directory_path() / "tuft_tension_nothing";
+  std::filesystem::remove_all(request.folder);
+  prepare_run_folder(request.folder, request.scene);
+  const RunSummary summary = run(request);
+  EXPECT_EQ(summary.status, "failed");
+  EXPECT_NE(summary.error.find("raise rig.samples"), std::string::npos) << summary.error;
+  EXPECT_TRUE(summary.results.empty());
+  std::filesystem::remove_all(request.folder);
+}
+
 TEST(Tension, ResumedEndsInTheSameBits) {
   const auto root = std::filesystem::temp_directory_path() / "tuft_tension_resume";
   std::filesystem::remove_all(root);
