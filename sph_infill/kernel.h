@@ -2,12 +2,13 @@
 /// Smoothing kernels in three dimensions with support 2h, as values: a loop is compiled for one of them.
 ///
 /// Loops need dW/dr / r alone: grad_i W_ij = (dW/dr / r) (x_i - x_j). It is finite at r = 0 and zero beyond
-/// the support, so that a list may hold pairs that are too far apart, and the particle itself.
+/// the support, so that a list may hold pairs that are too far apart, and the particle itself. They are
+/// templates over the number type: double, or Pack for a pair a lane.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/vector.h"
+#include "core/lane_math.h"
 
 namespace tuft::sph {
 
@@ -25,9 +26,11 @@ struct WendlandC2 {
     return scale * t * t * t * t * (2 * q + 1);
   }
   /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5.
-  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
-    const double q = std::sqrt(distance_squared) * inverse_h, t = std::max(0.0, 1 - 0.5 * q);
-    return -5 * scale * inverse_h * inverse_h * t * t * t;
+  template <class Real>
+  [[nodiscard]] TUFT_HD Real slope_over_distance(const Real& distance_squared) const {
+    using std::max, std::sqrt;
+    const Real q = sqrt(distance_squared) * inverse_h, t = max(Real(0), 1 - 0.5 * q);
+    return (-5 * scale * inverse_h * inverse_h) * t * (t * t);
   }
 };
 
@@ -44,11 +47,13 @@ struct CubicSpline {
     return scale * (q < 1 ? 1 - 1.5 * q * q + 0.75 * q * q * q : 0.25 * t * t * t);
   }
   /// dW/dr / r = s/h^2 (-3 + 9/4 q) for q < 1, -s/h^2 3/4 (2 - q)^2 / q for q < 2.
-  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
-    const double q = std::sqrt(distance_squared) * inverse_h, t = std::max(0.0, 2 - q);
-    const double inner = 2.25 * q - 3;
-    const double outer = -0.75 * t * t / std::max(1.0, q);  // used for q >= 1 only: no division by zero
-    return scale * inverse_h * inverse_h * (q < 1 ? inner : outer);
+  template <class Real>
+  [[nodiscard]] TUFT_HD Real slope_over_distance(const Real& distance_squared) const {
+    using std::max, std::sqrt;
+    const Real q = sqrt(distance_squared) * inverse_h, t = max(Real(0), 2 - q);
+    const Real inner = 2.25 * q - 3;
+    const Real outer = -0.75 * (t * t) / max(Real(1), q);  // used for q >= 1 only: no division by zero
+    return (scale * inverse_h * inverse_h) * select(q < Real(1), inner, outer);
   }
 };
 

@@ -6,50 +6,50 @@
 namespace tuft::sph {
 namespace {
 
-// Rows of a tile: sum_j Q_j g_ij (3), to be multiplied by V_i, and the viscous force, N (3).
-constexpr std::size_t force_rows = 6;
-using ForceTile = Tile<force_rows>;
+struct PairForces {
+  std::array<Pack, 3> stress{}, viscous{};  ///< N
+};
 
 /// Viscosity (Monaghan 1992): pressure-like (-alpha c mu + beta mu^2)/rho on approaching pairs, mu = h
 /// u.d/(d^2 + 0.01 h^2). Means of rho and c of a pair are geometric, so that the pair's factor is a product
 /// of one number of each.
 template <bool viscous, class KernelType>
-void sum_pair_forces(const KernelType kernel, const SphOptions& options, const NeighbourList& list,
-                     const Particles& p, std::size_t i, ForceTile& tile, std::size_t slot) {
-  const double *x = p.position.x.data(), *y = p.position.y.data(), *z = p.position.z.data();
-  const double *vx = p.velocity.x.data(), *vy = p.velocity.y.data(), *vz = p.velocity.z.data();
-  const double *linear = p.viscous_linear.data(), *quadratic = p.viscous_quadratic.data();
-  const auto& q = p.stress_gradient;
-  const double *qxx = q[0].data(), *qxy = q[1].data(), *qxz = q[2].data(), *qyx = q[3].data(),
-               *qyy = q[4].data(), *qyz = q[5].data(), *qzx = q[6].data(), *qzy = q[7].data(),
-               *qzz = q[8].data();
-  const double xi = x[i], yi = y[i], zi = z[i], h = options.smoothing_length, floor = 0.01 * h * h;
-  const double vxi = viscous ? vx[i] : 0, vyi = viscous ? vy[i] : 0, vzi = viscous ? vz[i] : 0;
-  const double linear_i = viscous ? options.viscosity_linear * linear[i] : 0;
-  const double quadratic_i = viscous ? options.viscosity_quadratic * quadratic[i] : 0;
-  const Index* row = list.row(i).data();
-  const std::size_t batches = list.row(i).size() / NeighbourList::row_multiple;
-
-  double fx = 0, fy = 0, fz = 0, ax = 0, ay = 0, az = 0;
-#pragma omp simd reduction(+ : fx, fy, fz, ax, ay, az)
-  for (std::size_t k = 0; k < batches * NeighbourList::row_multiple; ++k) {
-    const Index j = row[k];
-    const double dx = xi - x[j], dy = yi - y[j], dz = zi - z[j];
-    const double distance_squared = dx * dx + dy * dy + dz * dz;
-    const double slope = kernel.slope_over_distance(distance_squared);
-    const double gx = slope * dx, gy = slope * dy, gz = slope * dz;
-    fx += qxx[j] * gx + qxy[j] * gy + qxz[j] * gz;
-    fy += qyx[j] * gx + qyy[j] * gy + qyz[j] * gz;
-    fz += qzx[j] * gx + qzy[j] * gy + qzz[j] * gz;
+PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, const NeighbourList& list,
+                           const Particles& p, std::size_t group) {
+  const auto own_index = indices_of_group(group, p.size());
+  const auto [xi, yi, zi, vxi, vyi, vzi, volume_i, inverse_mass_i] =
+      load_records(p.motion.data(), own_index.data());
+  const auto [qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz, linear_i, quadratic_i, unused_i] =
+      load_records(p.stress.data(), own_index.data());
+  const double h = options.smoothing_length, floor = 0.01 * h * h;
+  const Pack own_linear = options.viscosity_linear * linear_i,
+             own_quadratic = options.viscosity_quadratic * quadratic_i;
+  const NeighbourList::GroupRows rows = list.group(group);
+  std::array<Pack, 3> neighbours{}, gradient{};  // sum_j Q_j g_ij and sum_j V_j g_ij
+  PairForces force;
+  for (std::size_t k = 0; k < rows.length; ++k) {
+    const Index* index = rows.first + k * lanes;
+    const auto [x, y, z, vx, vy, vz, volume, inverse_mass] = load_records(p.motion.data(), index);
+    const auto [nxx, nxy, nxz, nyx, nyy, nyz, nzx, nzy, nzz, linear, quadratic, unused] =
+        load_records(p.stress.data(), index);
+    const Pack dx = xi - x, dy = yi - y, dz = zi - z, distance_squared = dx * dx + dy * dy + dz * dz;
+    const Pack slope = kernel.slope_over_distance(distance_squared);
+    const Pack gx = slope * dx, gy = slope * dy, gz = slope * dz;
+    neighbours[0] += nxx * gx + nxy * gy + nxz * gz;
+    neighbours[1] += nyx * gx + nyy * gy + nyz * gz;
+    neighbours[2] += nzx * gx + nzy * gy + nzz * gz;
+    gradient[0] += volume * gx, gradient[1] += volume * gy, gradient[2] += volume * gz;
     if constexpr (viscous) {
-      const double approach = -((vxi - vx[j]) * dx + (vyi - vy[j]) * dy + (vzi - vz[j]) * dz);
-      const double mu = h * std::max(0.0, approach) / (distance_squared + floor);
-      const double a = mu * (linear_i * linear[j] + quadratic_i * quadratic[j] * mu);
-      ax -= a * gx, ay -= a * gy, az -= a * gz;
+      const Pack approach = (vx - vxi) * dx + (vy - vyi) * dy + (vz - vzi) * dz;
+      const Pack mu = h * stdx::max(Pack(0.0), approach) / (distance_squared + floor);
+      const Pack a = mu * (own_linear * linear + own_quadratic * quadratic * mu);
+      force.viscous[0] -= a * gx, force.viscous[1] -= a * gy, force.viscous[2] -= a * gz;
     }
   }
-  const std::array<double, force_rows> sums{fx, fy, fz, ax, ay, az};
-  for (std::size_t r = 0; r < force_rows; ++r) tile.row[r][slot] = sums[r];
+  force.stress = {qxx * gradient[0] + qxy * gradient[1] + qxz * gradient[2] + volume_i * neighbours[0],
+                  qyx * gradient[0] + qyy * gradient[1] + qyz * gradient[2] + volume_i * neighbours[1],
+                  qzx * gradient[0] + qzy * gradient[1] + qzz * gradient[2] + volume_i * neighbours[2]};
+  return force;
 }
 
 /// KickSums of a block, lane by lane.
@@ -80,15 +80,12 @@ std::vector<double>& axis_of(Vec3Array& v, std::size_t axis) {
 
 /// One component of the kick of `count` particles from i on.
 template <bool viscous>
-void kick_component(const Kick& kick, const ForceTile& tile, std::size_t slot, std::size_t axis,
-                    std::size_t i, std::size_t count, Particles& p, PackSums& total) {
+void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis, std::size_t i,
+                    std::size_t count, Particles& p, PackSums& total) {
   const auto of = [&](const std::vector<double>& values) { return load_lanes(values, i, count); };
   const Pack mass = of(p.mass), before = of(axis_of(p.velocity, axis));
-  const Pack own = of(p.stress_gradient[3 * axis]) * of(p.gradient_sum.x) +
-                   of(p.stress_gradient[3 * axis + 1]) * of(p.gradient_sum.y) +
-                   of(p.stress_gradient[3 * axis + 2]) * of(p.gradient_sum.z);
-  const Pack viscous_force = viscous ? load_lanes(&tile.row[3 + axis][slot], count) : Pack(0.0);
-  const Pack force = own + of(p.volume) * load_lanes(&tile.row[axis][slot], count) + viscous_force;
+  const Pack viscous_force = forces.viscous[axis];
+  const Pack force = viscous ? forces.stress[axis] + viscous_force : forces.stress[axis];
 
   const double t = kick.duration(), gravity = kick.gravity[static_cast<Eigen::Index>(axis)];
   const Pack impulse = kick.impulse ? kick.impulse_share * of(axis_of(*kick.impulse, axis)) : Pack(0.0);
@@ -97,7 +94,7 @@ void kick_component(const Kick& kick, const ForceTile& tile, std::size_t slot, s
   const double half_damping = 0.5 * kick.damping * t;
   const Pack after =
       ((1 - half_damping) * before + t * (force / mass + gravity) + contact_change) / (1 + half_damping);
-  store_lanes(after, axis_of(p.next_velocity, axis), i, count);
+  store_lanes(after, axis_of(p.velocity, axis), i, count);
 
   const Pack mean = 0.5 * (before + after);
   // Of the change of velocity, for a step dt_before as long.
@@ -120,14 +117,10 @@ template <bool viscous, class KernelType>
 KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
                     const Kick& kick, std::size_t begin, std::size_t end, Particles& p) {
   PackSums total;
-  ForceTile tile;
-  for (std::size_t first = begin; first < end; first += tile_size) {
-    const std::size_t size = std::min(tile_size, end - first);
-    for (std::size_t k = 0; k < size; ++k)
-      sum_pair_forces<viscous>(kernel, settings.options, list, p, first + k, tile, k);
-    for (std::size_t k = 0; k < size; k += lanes)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        kick_component<viscous>(kick, tile, k, axis, first + k, std::min(lanes, size - k), p, total);
+  for (std::size_t i = begin; i < end; i += lanes) {
+    const PairForces forces = sum_pair_forces<viscous>(kernel, settings.options, list, p, i / lanes);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      kick_component<viscous>(kick, forces, axis, i, std::min(lanes, end - i), p, total);
   }
   return total.sum();
 }
@@ -163,28 +156,29 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
   return sum;
 }
 
-DriftCheck drift(double dt, const Vec3Array& reference, Particles& p, std::vector<DriftCheck>& blocks) {
-  std::swap(p.velocity, p.next_velocity);
-  std::swap(p.volume, p.next_volume);
+DriftCheck drift(double dt, const Vec3& frame, Particles& p, std::vector<DriftCheck>& blocks) {
   for_blocks(p.size(), [&](std::size_t b, std::size_t begin, std::size_t end) {
-    double largest = 0, finite = 0;
-#pragma omp simd reduction(max : largest) reduction(+ : finite)
+    const Vec3Array& v = p.velocity;
+    double largest = 0, finite = 0, sum_x = 0, sum_y = 0, sum_z = 0;
+#pragma omp simd reduction(max : largest) reduction(+ : finite, sum_x, sum_y, sum_z)
     for (std::size_t i = begin; i < end; ++i) {
-      p.position.x[i] += dt * p.velocity.x[i];
-      p.position.y[i] += dt * p.velocity.y[i];
-      p.position.z[i] += dt * p.velocity.z[i];
-      const double dx = p.position.x[i] - reference.x[i], dy = p.position.y[i] - reference.y[i],
-                   dz = p.position.z[i] - reference.z[i];
-      const double displacement = dx * dx + dy * dy + dz * dz;
-      largest = std::max(largest, displacement);
-      finite += 0 * displacement;  // 0 unless a position, and so a velocity, is not finite
+      p.position.x[i] += dt * v.x[i];
+      p.position.y[i] += dt * v.y[i];
+      p.position.z[i] += dt * v.z[i];
+      const double ux = v.x[i] - frame.x(), uy = v.y[i] - frame.y(), uz = v.z[i] - frame.z();
+      const double speed_squared = ux * ux + uy * uy + uz * uz;
+      largest = std::max(largest, speed_squared);
+      sum_x += v.x[i], sum_y += v.y[i], sum_z += v.z[i];
+      // 0 unless a velocity or a position is not finite.
+      finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
-    blocks[b] = {largest, finite == 0};
+    for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
+    blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0};
   });
   DriftCheck check;
   for (const DriftCheck& block : blocks) {
-    check.largest_displacement_squared =
-        std::max(check.largest_displacement_squared, block.largest_displacement_squared);
+    check.largest_speed_squared = std::max(check.largest_speed_squared, block.largest_speed_squared);
+    check.velocity_sum += block.velocity_sum;
     check.valid = check.valid && block.valid;
   }
   return check;

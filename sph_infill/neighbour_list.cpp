@@ -1,9 +1,10 @@
 #include "sph_infill/neighbour_list.h"
 
-#include <omp.h>
-
 #include <algorithm>
+#include <bit>
 #include <cmath>
+
+#include "core/parallel.h"
 
 namespace tuft::sph {
 namespace {
@@ -11,12 +12,58 @@ namespace {
 /// Cells smaller than the reach waste fewer candidates: 5^3 half cells hold 0.58 of what 3^3 whole ones do.
 constexpr std::size_t cells_per_reach = 2;
 
-/// Share [begin, end) of `count` that thread `k` of `parts` works on.
-std::array<std::size_t, 2> share_of(std::size_t count, std::size_t k, std::size_t parts) {
-  return {count * k / parts, count * (k + 1) / parts};
+/// Some of 64 particles with consecutive indices.
+struct IndexWord {
+  std::uint64_t word = 0;  ///< index / 64
+  std::uint64_t bits = 0;
+};
+
+/// Particles by cells come in short runs of consecutive indices, so that few words hold many: sorting words
+/// is far quicker than sorting particles.
+void add_index(std::vector<IndexWord>& words, Index j) {
+  const auto index = static_cast<std::uint64_t>(j);
+  if (words.empty() || words.back().word != index / 64) words.push_back({index / 64, 0});
+  words.back().bits |= std::uint64_t{1} << (index % 64);
 }
 
+void sort_indices(std::vector<IndexWord>& words, std::vector<Index>& sorted) {
+  std::sort(words.begin(), words.end(),
+            [](const IndexWord& a, const IndexWord& b) { return a.word < b.word; });
+  sorted.clear();
+  for (std::size_t k = 0; k < words.size();) {
+    const std::uint64_t word = words[k].word;
+    std::uint64_t bits = 0;
+    for (; k < words.size() && words[k].word == word; ++k) bits |= words[k].bits;
+    for (; bits != 0; bits &= bits - 1)
+      sorted.push_back(static_cast<Index>(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits))));
+  }
+}
+
+/// Cells from `low` to `high`, both included.
+struct CellBox {
+  std::array<std::size_t, 3> low, high;
+
+  [[nodiscard]] std::size_t volume() const {
+    return (high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1);
+  }
+  void include(const CellBox& other) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], other.low[d]);
+      high[d] = std::max(high[d], other.high[d]);
+    }
+  }
+};
+
 }  // namespace
+
+struct NeighbourList::Scratch {
+  std::vector<IndexWord> words;
+  std::vector<Index> candidates;  ///< of a group, sorted
+  std::vector<Index> rows;        ///< of a group, side by side, and room behind them
+  std::size_t rows_size = 0;
+  std::array<std::size_t, lanes> length{};
+  std::vector<Index> entries;  ///< of a block
+};
 
 NeighbourList::NeighbourList(const Vec3Array& positions, double support, double skin)
     : reach_(support + skin), skin_(skin), cell_size_(reach_ / cells_per_reach) {
@@ -40,7 +87,7 @@ std::array<std::size_t, 3> NeighbourList::cell_of(double x, double y, double z) 
 
 void NeighbourList::sort_into_cells(const Vec3Array& positions) {
   const std::size_t n = positions.size();
-  std::vector<std::size_t>& begin = cell_begin_;
+  std::vector<std::uint32_t>& begin = cell_begin_;
   begin.assign(cells_[0] * cells_[1] * cells_[2] + 1, 0);
   const auto index_of = [&](std::size_t i) {
     const auto c = cell_of(positions.x[i], positions.y[i], positions.z[i]);
@@ -49,69 +96,115 @@ void NeighbourList::sort_into_cells(const Vec3Array& positions) {
   for (std::size_t i = 0; i < n; ++i) ++begin[index_of(i) + 1];
   for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
   cell_particle_.resize(n);
-  if (cell_position_.size() != n) cell_position_.assign(n, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t slot = begin[index_of(i)]++;
-    cell_particle_[slot] = static_cast<Index>(i);
-    cell_position_.set(slot, positions[i]);
-  }
+  for (std::size_t i = 0; i < n; ++i) cell_particle_[begin[index_of(i)]++] = static_cast<Index>(i);
   // Filling has moved each start to the next cell's.
   for (std::size_t c = begin.size() - 1; c > 0; --c) begin[c] = begin[c - 1];
   begin[0] = 0;
 }
 
-void NeighbourList::find_row(std::size_t i, std::vector<Index>& found) const {
-  const double x = reference_.x[i], y = reference_.y[i], z = reference_.z[i], reach_squared = reach_ * reach_;
-  const auto cell = cell_of(x, y, z);
-  const auto low = [&](std::size_t d) { return cell[d] - std::min(cells_per_reach, cell[d]); };
-  const auto high = [&](std::size_t d) { return std::min(cell[d] + cells_per_reach, cells_[d] - 1); };
-  const std::size_t first = found.size();
-  for (std::size_t cx = low(0); cx <= high(0); ++cx)
-    for (std::size_t cy = low(1); cy <= high(1); ++cy) {
-      const std::size_t column = (cx * cells_[1] + cy) * cells_[2];
-      const std::size_t begin = cell_begin_[column + low(2)], end = cell_begin_[column + high(2) + 1];
-      std::size_t size = found.size();
-      found.resize(size + (end - begin));
-      for (std::size_t k = begin; k < end; ++k) {
-        const double dx = cell_position_.x[k] - x, dy = cell_position_.y[k] - y, dz = cell_position_.z[k] - z;
-        const Index j = cell_particle_[k];
-        found[size] = j;  // kept only if the count moves on: no branch to mispredict
-        size += static_cast<std::size_t>((dx * dx + dy * dy + dz * dz < reach_squared) &
-                                         (j != static_cast<Index>(i)));
-      }
-      found.resize(size);
+/// Particles, sorted by index, among which all neighbours of [begin, end) are.
+void NeighbourList::find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
+                                    Scratch& scratch) const {
+  const auto around = [&](std::size_t i) {
+    const auto cell = cell_of(positions.x[i], positions.y[i], positions.z[i]);
+    CellBox box;
+    for (std::size_t d = 0; d < 3; ++d) {
+      box.low[d] = cell[d] - std::min(cells_per_reach, cell[d]);
+      box.high[d] = std::min(cell[d] + cells_per_reach, cells_[d] - 1);
     }
-  std::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end());
-  while ((found.size() - first) % row_multiple != 0) found.push_back(static_cast<Index>(i));
+    return box;
+  };
+  const auto add = [&](const CellBox& box) {
+    for (std::size_t cx = box.low[0]; cx <= box.high[0]; ++cx)
+      for (std::size_t cy = box.low[1]; cy <= box.high[1]; ++cy) {
+        const std::size_t column = (cx * cells_[1] + cy) * cells_[2];
+        for (std::size_t k = cell_begin_[column + box.low[2]]; k < cell_begin_[column + box.high[2] + 1]; ++k)
+          add_index(scratch.words, cell_particle_[k]);
+      }
+  };
+  CellBox all = around(begin);
+  std::size_t apart = all.volume();
+  for (std::size_t i = begin + 1; i < end; ++i) {
+    const CellBox box = around(i);
+    apart += box.volume();
+    all.include(box);
+  }
+  scratch.words.clear();
+  if (all.volume() <= apart) {
+    add(all);
+  } else {  // particles of the group have been scattered
+    for (std::size_t i = begin; i < end; ++i) add(around(i));
+  }
+  sort_indices(scratch.words, scratch.candidates);
+}
+
+/// Rows of the group [begin, end), side by side.
+void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end,
+                              Scratch& scratch) const {
+  const std::size_t count = end - begin;
+  std::array<double, lanes> x, y, z;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const std::size_t i = std::min(begin + l, end - 1);
+    x[l] = positions.x[i], y[l] = positions.y[i], z[l] = positions.z[i];
+  }
+  const std::size_t room = (scratch.candidates.size() + 1) * lanes;
+  if (scratch.rows.size() < room) scratch.rows.resize(room);
+  scratch.length.fill(0);
+  const double reach_squared = reach_ * reach_;
+  for (const Index j : scratch.candidates) {
+    const auto c = static_cast<std::size_t>(j);
+    const double cx = positions.x[c], cy = positions.y[c], cz = positions.z[c];
+    std::array<bool, lanes> near;
+    bool any_near = false;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const double dx = x[l] - cx, dy = y[l] - cy, dz = z[l] - cz;
+      near[l] = dx * dx + dy * dy + dz * dz < reach_squared;
+      any_near |= near[l];
+    }
+    if (!any_near) continue;
+    for (std::size_t l = 0; l < count; ++l) {
+      scratch.rows[scratch.length[l] * lanes + l] = j;  // kept only if the row grows: no branch to mispredict
+      scratch.length[l] += static_cast<std::size_t>(near[l] & (c != begin + l));
+    }
+  }
+  const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
+  for (std::size_t l = 0; l < lanes; ++l)
+    for (std::size_t k = scratch.length[l]; k < longest; ++k)
+      scratch.rows[k * lanes + l] = static_cast<Index>(std::min(begin + l, end - 1));
+  scratch.rows_size = longest * lanes;
 }
 
 void NeighbourList::build(const Vec3Array& positions) {
   const std::size_t n = positions.size();
-  reference_ = positions;
   sort_into_cells(positions);
-  begin_.resize(n + 1);
-  begin_[0] = 0;
-  part_.resize(static_cast<std::size_t>(omp_get_max_threads()));
-#pragma omp parallel num_threads(static_cast <int>(part_.size()))
-  {
-    const auto parts = static_cast<std::size_t>(omp_get_num_threads());
-    const auto k = static_cast<std::size_t>(omp_get_thread_num());
-    const auto [begin, end] = share_of(n, k, parts);
-    std::vector<Index>& found = part_[k];
-    found.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t before = found.size();
-      find_row(i, found);
-      begin_[i + 1] = found.size() - before;
+  constexpr std::size_t block_particles = groups_per_block * lanes;
+  blocks_.resize((n + block_particles - 1) / block_particles);
+  parallel_for(blocks_.size(), [&](std::size_t b) {
+    static thread_local Scratch scratch;
+    Block& block = blocks_[b];
+    scratch.entries.clear();
+    for (std::size_t g = 0; g < groups_per_block; ++g) {
+      const std::size_t begin = b * block_particles + g * lanes, end = std::min(n, begin + lanes);
+      if (begin < n) {
+        find_candidates(positions, begin, end, scratch);
+        find_rows(positions, begin, end, scratch);
+        scratch.entries.insert(scratch.entries.end(), scratch.rows.begin(),
+                               scratch.rows.begin() + static_cast<std::ptrdiff_t>(scratch.rows_size));
+      }
+      block.begin[g + 1] = static_cast<std::uint32_t>(scratch.entries.size());
     }
-#pragma omp barrier
-#pragma omp single
-    {
-      for (std::size_t i = 0; i < n; ++i) begin_[i + 1] += begin_[i];
-      pairs_.resize(begin_[n]);
-    }
-    std::copy(found.begin(), found.end(), pairs_.begin() + static_cast<std::ptrdiff_t>(begin_[begin]));
+    block.entries.assign(scratch.entries.begin(), scratch.entries.end());
+  });
+}
+
+std::vector<Index> NeighbourList::row(std::size_t i) const {
+  const GroupRows rows = group(i / lanes);
+  std::vector<Index> others;
+  for (std::size_t k = 0; k < rows.length; ++k) {
+    const Index j = rows.first[k * lanes + i % lanes];
+    if (static_cast<std::size_t>(j) != i) others.push_back(j);
   }
+  return others;
 }
 
 }  // namespace tuft::sph

@@ -1,20 +1,26 @@
 #pragma once
 /// Neighbour (Verlet) list from a cell list, with a skin so that it serves many steps.
 #include <array>
-#include <span>
 #include <vector>
 
-#include "core/vector.h"
+#include "core/lanes.h"
 
 namespace tuft::sph {
 
-/// Rows are sorted by index and depend only on the positions of the last build, never on cells or threads, so
-/// that sums over a row have the same bits after a checkpoint as without one: rebuild from `reference()`.
+/// Rows are sorted by index. A sum over a row in that order, to which pairs beyond the support add exact
+/// zeros, does not depend on when the list was built: a run has the same bits with any skin, for any number
+/// of threads and across a checkpoint.
+///
+/// Particles go by groups of as many as there are lanes, [g lanes, (g + 1) lanes), whose rows lie side by
+/// side: a loop takes entry k of all of them at once.
 class NeighbourList {
  public:
-  /// Row lengths are multiples of this: loops over a row are whole vectors. The rest of a row names the
-  /// particle itself, whose pair terms are exact zeros.
-  static constexpr std::size_t row_multiple = 8;
+  /// Entry k of lane l is first[k lanes + l]. Shorter rows end with the particle itself (the last particle in
+  /// lanes beyond it), whose pair terms are exact zeros.
+  struct GroupRows {
+    const Index* first;
+    std::size_t length;
+  };
 
   NeighbourList() = default;
   /// support: m, pairs closer than this are in the list. skin: m, how much farther it looks. The box of
@@ -25,29 +31,39 @@ class NeighbourList {
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
 
-  /// While no particle has moved farther than half the skin from `reference()`, no pair within the support is
-  /// missed.
+  /// While no particle has moved farther than half the skin since the last build, by whatever frame common to
+  /// all, no pair within the support is missed.
   [[nodiscard]] double allowed_displacement() const { return 0.5 * skin_; }
-  [[nodiscard]] const Vec3Array& reference() const { return reference_; }
-  [[nodiscard]] std::span<const Index> row(std::size_t i) const {
-    return {pairs_.data() + begin_[i], pairs_.data() + begin_[i + 1]};
+  [[nodiscard]] GroupRows group(std::size_t g) const {
+    const Block& block = blocks_[g / groups_per_block];
+    const std::size_t k = g % groups_per_block;
+    return {block.entries.data() + block.begin[k], (block.begin[k + 1] - block.begin[k]) / lanes};
   }
+  /// Neighbours of particle i, for tests and reports.
+  [[nodiscard]] std::vector<Index> row(std::size_t i) const;
 
  private:
+  static constexpr std::size_t groups_per_block = 32;
+  /// Rows of some groups, stored apart so that threads build them without waiting for each other.
+  struct Block {
+    std::array<std::uint32_t, groups_per_block + 1> begin{};
+    std::vector<Index> entries;
+  };
+  /// What one thread needs to build rows.
+  struct Scratch;
+
   void sort_into_cells(const Vec3Array& positions);
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
-  void find_row(std::size_t i, std::vector<Index>& found) const;
+  void find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
+                       Scratch& scratch) const;
+  void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
 
   double reach_ = 0, skin_ = 0, cell_size_ = 1;
   std::array<double, 3> low_{};
   std::array<std::size_t, 3> cells_{1, 1, 1};
-  Vec3Array reference_;
-  std::vector<std::size_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
-  Vec3Array cell_position_;              ///< positions in cell order
+  std::vector<std::uint32_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
   std::vector<Index> cell_particle_;
-  std::vector<std::size_t> begin_;  ///< rows
-  std::vector<Index> pairs_;
-  std::vector<std::vector<Index>> part_;  ///< rows of each thread's share before they are joined
+  std::vector<Block> blocks_;
 };
 
 }  // namespace tuft::sph

@@ -25,15 +25,15 @@ auto with_kernel(const SphOptions& options, Body&& body) {
   return body(WendlandC2(options.smoothing_length));
 }
 
-/// Particles whose pair sums wait in the first-level cache for what follows from them.
-inline constexpr std::size_t tile_size = 64;
-static_assert(block_size % tile_size == 0 && tile_size % lanes == 0);
+static_assert(block_size % lanes == 0);
 
-/// Sums of a tile's particles, a row each.
-template <std::size_t rows>
-struct Tile {
-  alignas(stdx::memory_alignment_v<Pack>) std::array<std::array<double, tile_size>, rows> row;
-};
+/// Indices of a group's particles, a lane each; lanes beyond the last particle repeat it.
+[[nodiscard]] inline std::array<Index, lanes> indices_of_group(std::size_t group, std::size_t count) {
+  std::array<Index, lanes> index;
+  for (std::size_t l = 0; l < lanes; ++l)
+    index[l] = static_cast<Index>(std::min(group * lanes + l, count - 1));
+  return index;
+}
 
 /// `count` of the lanes are particles; the last pack of all may have fewer. The others repeat the first.
 [[nodiscard]] inline Pack load_lanes(const double* first, std::size_t count) {

@@ -1,11 +1,50 @@
 #pragma once
 /// State of all particles as structures of arrays. Index i is the same particle everywhere and for ever.
+///
+/// Pair loops read neighbours in no order that memory likes: what they need of one lies together, as a
+/// record.
 #include <array>
 #include <vector>
 
+#include "core/lane_columns.h"
 #include "sph_infill/soil_law.h"
 
 namespace tuft::sph {
+
+/// What both pair loops read of a neighbour: a cache line. It stands still from one drift to the next, so
+/// that both see the same motion and weights, though velocities and volumes change between them.
+struct alignas(64) MotionRecord {
+  double x, y, z;       ///< m
+  double vx, vy, vz;    ///< m/s
+  double volume;        ///< m^3
+  double inverse_mass;  ///< 1/kg
+
+  static constexpr std::size_t values = 8;
+};
+
+/// What the force loop reads besides. Single precision: both ends of a pair take the same rounded values, so
+/// that momentum is kept as well as in double precision, and the power of the forces meets the stress power
+/// to 1e-7.
+struct StressRecord {
+  std::array<float, 9> v_sigma_b;  ///< V sigma B by rows, N m: the half of the pair force a particle brings
+  float viscous_linear,
+      viscous_quadratic;  ///< factors of the viscous pair force: sqrt(m V) sqrt(c), sqrt(m V)
+  float unused;
+
+  static constexpr std::size_t values = 12;
+};
+
+/// The records of the particles named, a lane each, as columns.
+[[nodiscard]] inline std::array<Pack, MotionRecord::values> load_records(const MotionRecord* records,
+                                                                         const Index* index) {
+  return load_columns<MotionRecord::values>(reinterpret_cast<const double*>(records), MotionRecord::values,
+                                            index);
+}
+[[nodiscard]] inline std::array<Pack, StressRecord::values> load_records(const StressRecord* records,
+                                                                         const Index* index) {
+  return load_columns<StressRecord::values>(reinterpret_cast<const float*>(records), StressRecord::values,
+                                            index);
+}
 
 struct Particles {
   // What a checkpoint holds.
@@ -15,23 +54,40 @@ struct Particles {
   std::vector<double> pressure, bulk_modulus;   ///< Pa
   std::array<std::vector<double>, 6> deviator;  ///< Pa; xx yy zz xy yz zx
 
+  /// m^3. By the last stress evaluation; gradients weigh neighbours by that of the one before, see
+  /// MotionRecord.
+  std::vector<double> volume;
+
   // What never changes.
-  std::vector<double> inverse_mass;                    ///< 1/kg
-  std::vector<double> mass, reference_volume, radius;  ///< kg, m^3, m
-  std::vector<Index> layer, material;
-  std::vector<Index> law;  ///< index into the laws
+  std::vector<double> mass, radius;    ///< kg, m
+  std::vector<Index> layer, material;  ///< material: also the index into the laws
 
   // What follows from the above in every step.
-  std::vector<double> volume;  ///< m^3, by which gradients weigh neighbours: of the stress evaluation before
-  std::vector<double> next_volume;  ///< m^3, of this stress evaluation
-  Vec3Array next_velocity;          ///< m/s, at t_k + dt/2
-  std::array<std::vector<double>, 9>
-      stress_gradient;     ///< V sigma B by rows, N m: the half of the pair force a particle brings
-  Vec3Array gradient_sum;  ///< sum_j V_j grad_i W_ij, 1/m
-  /// Factors of the viscous pair force: sqrt(m V) sqrt(c) and sqrt(m V).
-  std::vector<double> viscous_linear, viscous_quadratic;
+  std::vector<MotionRecord> motion;
+  std::vector<StressRecord> stress;
 
   [[nodiscard]] std::size_t size() const { return mass.size(); }
+
+  /// `count` particles, all values zero.
+  void assign(std::size_t count) {
+    position.assign(count, 0), velocity.assign(count, 0);
+    for (auto* values : {&compression, &largest_compression, &plastic_compression, &pressure, &bulk_modulus,
+                         &volume, &mass, &radius})
+      values->assign(count, 0);
+    for (auto& values : deviator) values.assign(count, 0);
+    layer.assign(count, 0), material.assign(count, 0);
+    motion.assign(count, {});
+    stress.assign(count, {});
+  }
+
+  /// Makes the motion's record of particle i current.
+  void record_motion(std::size_t i) {
+    motion[i] = {position.x[i], position.y[i], position.z[i], velocity.x[i],
+                 velocity.y[i], velocity.z[i], volume[i],     1 / mass[i]};
+  }
+  void record_motion() {
+    for (std::size_t i = 0; i < size(); ++i) record_motion(i);
+  }
 
   [[nodiscard]] SoilState soil_state(std::size_t i) const {
     return {compression[i],

@@ -58,11 +58,6 @@ void SphInfill::save(h5::Group& group) {
               [&](const char* name, const std::vector<double>& values) { group.write(name, values); });
   visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
-  // The neighbour list is rebuilt from where it was built, so that its rows, and the order of every sum, are
-  // the same.
-  group.write("list_x", m.list.reference().x);
-  group.write("list_y", m.list.reference().y);
-  group.write("list_z", m.list.reference().z);
 }
 
 void SphInfill::load(const h5::Group& group) {
@@ -72,12 +67,8 @@ void SphInfill::load(const h5::Group& group) {
               [&](const char* name, std::vector<double>& values) { values = read_array(group, name, n); });
   visit_numbers(m, [&](const char* name, double& value) { value = group.read_double(name); });
   m.particle_steps = group.read_count("particle_steps");
-  Vec3Array reference;
-  reference.x = read_array(group, "list_x", n);
-  reference.y = read_array(group, "list_y", n);
-  reference.z = read_array(group, "list_z", n);
-  m.list.build(reference);
-  m.refresh_displacement();
+  m.particles.record_motion();
+  m.build_list();
 }
 
 }  // namespace tuft::sph

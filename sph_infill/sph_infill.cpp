@@ -1,7 +1,6 @@
 #include "sph_infill/sph_infill.h"
 
 #include <cmath>
-#include <map>
 
 #include "core/error.h"
 #include "sph_infill/sph_infill_impl.h"
@@ -57,38 +56,32 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
 
   Particles& p = m.particles;
   const std::size_t n = lattice.position.size();
+  p.assign(n);
   p.position = lattice.position;
-  p.velocity.assign(n, 0);
-  p.next_velocity.assign(n, 0);
-  p.gradient_sum.assign(n, 0);
-  for (auto* values :
-       {&p.compression, &p.largest_compression, &p.plastic_compression, &p.pressure, &p.bulk_modulus, &p.mass,
-        &p.inverse_mass, &p.radius, &p.viscous_linear, &p.viscous_quadratic})
-    values->assign(n, 0);
-  for (auto& values : p.deviator) values.assign(n, 0);
-  for (auto& values : p.stress_gradient) values.assign(n, 0);
-  p.reference_volume = p.volume = p.next_volume = lattice.volume;
+  p.volume = lattice.volume;
   p.layer = lattice.layer;
   p.material = lattice.material;
-  p.law.resize(n);
 
-  std::map<Index, Index> law_of_material;
+  m.settings.laws.resize(materials.size());
+  std::vector<bool> known(materials.size(), false);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto [entry, is_new] =
-        law_of_material.try_emplace(p.material[i], static_cast<Index>(m.settings.laws.size()));
-    if (is_new) m.settings.laws.push_back(law_of(materials, p.material[i], settings.tension_cutoff));
-    const SoilLaw& law = m.settings.laws[static_cast<std::size_t>(entry->second)];
-    p.law[i] = entry->second;
+    const auto k = static_cast<std::size_t>(p.material[i]);
+    if (k >= known.size() || !known[k]) {
+      SoilLaw law = law_of(materials, p.material[i], settings.tension_cutoff);
+      m.settings.laws[k] = std::move(law);
+      known[k] = true;
+    }
+    const SoilLaw& law = m.settings.laws[k];
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
-    p.inverse_mass[i] = 1 / p.mass[i];
     p.radius[i] = 0.5 * std::cbrt(lattice.volume[i]);
   }
+  p.record_motion();
   m.stress_blocks.resize(block_count(p));
   m.kick_blocks.resize(block_count(p));
   m.drift_blocks.resize(block_count(p));
   m.list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * lattice.pitch);
-  m.list.build(p.position);
+  m.build_list();
   // A step of no length evaluates what depends on the state alone, the stable step among it.
   m.stable_step = update_stress(m.settings, m.list, 0, p, m.stress_blocks).stable_step;
 }
@@ -121,16 +114,18 @@ void SphInfill::set_damping(double rate) {
 
 void SphInfill::set_velocity(std::size_t i, const Vec3& v) {
   impl_->particles.velocity.set(i, v);
+  impl_->particles.record_motion(i);
 }
 
 double SphInfill::mean_neighbours() const {
-  const Particles& p = impl_->particles;
-  const double support = 2 * impl_->settings.options.smoothing_length;
+  const Impl& m = *impl_;
+  const Particles& p = m.particles;
+  const double support = 2 * m.settings.options.smoothing_length;
   std::size_t pairs = 0;
   for (std::size_t i = 0; i < p.size(); ++i)
-    for (const Index j : impl_->list.row(i)) {
+    for (const Index j : m.list.row(i)) {
       const double distance_squared = (p.position[i] - p.position[static_cast<std::size_t>(j)]).squaredNorm();
-      if (static_cast<std::size_t>(j) != i && distance_squared < support * support) ++pairs;
+      if (distance_squared < support * support) ++pairs;
     }
   return static_cast<double>(pairs) / static_cast<double>(p.size());
 }
@@ -154,7 +149,7 @@ AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpul
 }
 
 KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
-  if (displacement > list.allowed_displacement()) list.build(particles.position);
+  if (displacement > list.allowed_displacement()) build_list();
 
   const StressSums stress = update_stress(settings, list, step_before, particles, stress_blocks);
   if (!stress.valid) report_invalid_stress();
@@ -164,9 +159,10 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   const KickSums kicked = kick(settings, list, now, particles, kick_blocks);
   record_energy(stress, kicked);
 
-  const DriftCheck moved = drift(dt, list.reference(), particles, drift_blocks);
+  const DriftCheck moved = drift(dt, frame, particles, drift_blocks);
   if (!moved.valid) report_invalid_motion();
-  displacement = std::sqrt(moved.largest_displacement_squared);
+  displacement += dt * std::sqrt(moved.largest_speed_squared);
+  frame = moved.velocity_sum / static_cast<double>(particles.size());
   time += dt;
   step_before = dt;
   particle_steps += particles.size();
@@ -188,11 +184,9 @@ void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& ki
   account(energy.contact_work, pending.contact, kicked.contact);
 }
 
-void SphInfill::Impl::refresh_displacement() {
-  double largest = 0;
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    largest = std::max(largest, (particles.position[i] - list.reference()[i]).squaredNorm());
-  displacement = std::sqrt(largest);
+void SphInfill::Impl::build_list() {
+  list.build(particles.position);
+  displacement = 0;
 }
 
 void SphInfill::Impl::report_invalid_stress() const {
@@ -226,8 +220,7 @@ void SphInfill::Impl::report_invalid_motion() const {
       throw_run_error("SPH infill: particle {} at t = {:.6g} s: position is ({}, {}, {}) m", i, time, x.x(),
                       x.y(), x.z());
   }
-  throw_run_error("SPH infill at t = {:.6g} s: displacements are too large to square; the run is unstable",
-                  time);
+  throw_run_error("SPH infill at t = {:.6g} s: speeds are too large to square; the run is unstable", time);
 }
 
 std::vector<Infill::Field> SphInfill::fields() const {

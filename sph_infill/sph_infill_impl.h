@@ -11,11 +11,13 @@ struct SphInfill::Impl {
   Particles particles;
   NeighbourList list;
 
-  double time = 0;          ///< s, t_k of the positions
-  double step_before = 0;   ///< s, drift that led to t_k; 0 at the start of a run
-  double damping = 0;       ///< 1/s
-  double stable_step = 0;   ///< s, as of the last stress evaluation
-  double displacement = 0;  ///< m, largest since the list was built
+  double time = 0;         ///< s, t_k of the positions
+  double step_before = 0;  ///< s, drift that led to t_k; 0 at the start of a run
+  double damping = 0;      ///< 1/s
+  double stable_step = 0;  ///< s, as of the last stress evaluation
+  /// No particle has moved farther since the list was built, relative to the frame common to all, m.
+  double displacement = 0;
+  Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
   InfillEnergy energy;  ///< as of the last force evaluation
   /// Works of the part of the last kick that lies after that moment.
@@ -28,7 +30,7 @@ struct SphInfill::Impl {
 
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
   void record_energy(const StressSums& stress, const KickSums& kicked);
-  void refresh_displacement();
+  void build_list();
   [[noreturn]] void report_invalid_stress() const;
   [[noreturn]] void report_invalid_motion() const;
 };

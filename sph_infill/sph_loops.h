@@ -16,9 +16,11 @@
 ///
 /// So sum_k f_k . v_k = -P for every velocity field, pair forces are opposite and equal, and a uniform stress
 /// gives no net force where the neighbourhood is full. With Q_j = v_j* sigma_j B_j the force pass needs one
-/// product a pair: f_k = Q_k (sum_j V_j g_kj) + V_k sum_j Q_j g_kj, whose first sum the gradient pass has
-/// formed already. (V and v* differ by one step's compression; keeping V through both passes is what makes
-/// them partners exactly.)
+/// product a pair: f_k = Q_k (sum_j V_j g_kj) + V_k sum_j Q_j g_kj. (V and v* differ by one step's
+/// compression; keeping V through both passes is what makes them partners exactly.)
+///
+/// Loops take as many particles at once as there are lanes, a particle a lane, and walk their rows side by
+/// side: no sum crosses lanes, and what follows from a particle's sums finds them in registers.
 #include "core/infill.h"
 #include "sph_infill/neighbour_list.h"
 #include "sph_infill/particles.h"
@@ -37,7 +39,7 @@ struct LoopSettings {
   SphOptions options;
   bool artificial_viscosity = true;
   StepLimit step_limit;
-  std::vector<SoilLaw> laws;
+  std::vector<SoilLaw> laws;  ///< by material
 };
 
 /// What the gradient pass adds up.
@@ -91,19 +93,19 @@ struct KickSums {
   KickSums& operator+=(const KickSums& other);
 };
 
-/// Pass 2: forces at t_k, next_velocity = velocity at t_k + dt/2.
+/// Pass 2: forces at t_k; velocities become those at t_k + dt/2.
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
               std::vector<KickSums>& blocks);
 
 /// What the drift finds.
 struct DriftCheck {
-  double largest_displacement_squared = 0;  ///< m^2, since the neighbour list was built
-  bool valid = true;                        ///< all positions and velocities finite
+  double largest_speed_squared = 0;  ///< (m/s)^2, relative to the frame
+  Vec3 velocity_sum{0, 0, 0};        ///< m/s, over all particles
+  bool valid = true;                 ///< all positions and velocities finite
 };
 
-/// Makes next_velocity and next_volume current and moves positions by dt.
-DriftCheck drift(double dt, const Vec3Array& reference, Particles& particles,
-                 std::vector<DriftCheck>& blocks);
+/// Moves positions by dt and renews the records of motion. frame: m/s, speeds are measured relative to it.
+DriftCheck drift(double dt, const Vec3& frame, Particles& particles, std::vector<DriftCheck>& blocks);
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {

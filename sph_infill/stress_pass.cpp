@@ -8,63 +8,43 @@
 namespace tuft::sph {
 namespace {
 
-// Rows of a tile: moment (6), velocity (9), gradient (3), mobility (6); see GradientSums.
-constexpr std::size_t gradient_rows = 24;
-using GradientTile = Tile<gradient_rows>;
-
-/// Writes the sums of particle i into entry `slot` of the tile's rows.
-template <class KernelType>
-void sum_pair_gradients(const KernelType kernel, const NeighbourList& list, const Particles& p, std::size_t i,
-                        GradientTile& tile, std::size_t slot) {
-  const double *x = p.position.x.data(), *y = p.position.y.data(), *z = p.position.z.data();
-  const double *vx = p.velocity.x.data(), *vy = p.velocity.y.data(), *vz = p.velocity.z.data();
-  const double *volume = p.volume.data(), *inverse_mass = p.inverse_mass.data();
-  const double xi = x[i], yi = y[i], zi = z[i], vxi = vx[i], vyi = vy[i], vzi = vz[i];
-  const Index* row = list.row(i).data();
-  const std::size_t batches = list.row(i).size() / NeighbourList::row_multiple;
-
-  double mxx = 0, myy = 0, mzz = 0, mxy = 0, myz = 0, mzx = 0;
-  double lxx = 0, lxy = 0, lxz = 0, lyx = 0, lyy = 0, lyz = 0, lzx = 0, lzy = 0, lzz = 0;
-  double gx = 0, gy = 0, gz = 0;
-  double cxx = 0, cyy = 0, czz = 0, cxy = 0, cyz = 0, czx = 0;
-#pragma omp simd reduction(+ : mxx, myy, mzz, mxy, myz, mzx, lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz, gx, gy, gz, \
-                               cxx, cyy, czz, cxy, cyz, czx)
-  for (std::size_t k = 0; k < batches * NeighbourList::row_multiple; ++k) {
-    const Index j = row[k];
-    const double dx = xi - x[j], dy = yi - y[j], dz = zi - z[j];
-    const double w = volume[j] * kernel.slope_over_distance(dx * dx + dy * dy + dz * dz);
-    const double wx = w * dx, wy = w * dy, wz = w * dz;
-    const double ux = vx[j] - vxi, uy = vy[j] - vyi, uz = vz[j] - vzi;
-    mxx -= wx * dx, myy -= wy * dy, mzz -= wz * dz;
-    mxy -= wx * dy, myz -= wy * dz, mzx -= wz * dx;
-    lxx += ux * wx, lxy += ux * wy, lxz += ux * wz;
-    lyx += uy * wx, lyy += uy * wy, lyz += uy * wz;
-    lzx += uz * wx, lzy += uz * wy, lzz += uz * wz;
-    gx += wx, gy += wy, gz += wz;
-    const double n = inverse_mass[j], nx = n * wx, ny = n * wy, nz = n * wz;
-    cxx += nx * wx, cyy += ny * wy, czz += nz * wz;
-    cxy += nx * wy, cyz += ny * wz, czx += nz * wx;
-  }
-  const std::array<double, gradient_rows> sums{mxx, myy, mzz, mxy, myz, mzx, lxx, lxy, lxz, lyx, lyy, lyz,
-                                               lzx, lzy, lzz, gx,  gy,  gz,  cxx, cyy, czz, cxy, cyz, czx};
-  for (std::size_t r = 0; r < gradient_rows; ++r) tile.row[r][slot] = sums[r];
-}
-
 template <class Real>
 struct GradientSumsOf {
   SymmetricTensorOf<Real> moment;
   TensorOf<Real> velocity;
-  std::array<Real, 3> gradient;
+  std::array<Real, 3> gradient{};
   SymmetricTensorOf<Real> mobility;
 };
 
-/// row: r -> value of row r.
-template <class Real, class Row>
-GradientSumsOf<Real> unpack(const Row& row) {
-  return {{row(0), row(1), row(2), row(3), row(4), row(5)},
-          {row(6), row(7), row(8), row(9), row(10), row(11), row(12), row(13), row(14)},
-          {row(15), row(16), row(17)},
-          {row(18), row(19), row(20), row(21), row(22), row(23)}};
+/// See GradientSums; a particle a lane.
+template <class KernelType>
+GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const NeighbourList& list,
+                                        const Particles& p, std::size_t group) {
+  const auto own_index = indices_of_group(group, p.size());
+  const auto [xi, yi, zi, vxi, vyi, vzi, volume_i, inverse_mass_i] =
+      load_records(p.motion.data(), own_index.data());
+  const NeighbourList::GroupRows rows = list.group(group);
+  GradientSumsOf<Pack> sum;
+  SymmetricTensorOf<Pack>&m = sum.moment, &c = sum.mobility;
+  TensorOf<Pack>& v = sum.velocity;
+  for (std::size_t k = 0; k < rows.length; ++k) {
+    const auto [x, y, z, vx, vy, vz, volume, inverse_mass] =
+        load_records(p.motion.data(), rows.first + k * lanes);
+    const Pack dx = xi - x, dy = yi - y, dz = zi - z;
+    const Pack w = volume * kernel.slope_over_distance(dx * dx + dy * dy + dz * dz);
+    const Pack wx = w * dx, wy = w * dy, wz = w * dz;
+    m.xx -= wx * dx, m.yy -= wy * dy, m.zz -= wz * dz;
+    m.xy -= wx * dy, m.yz -= wy * dz, m.zx -= wz * dx;
+    const Pack ux = vx - vxi, uy = vy - vyi, uz = vz - vzi;
+    v.xx += ux * wx, v.xy += ux * wy, v.xz += ux * wz;
+    v.yx += uy * wx, v.yy += uy * wy, v.yz += uy * wz;
+    v.zx += uz * wx, v.zy += uz * wy, v.zz += uz * wz;
+    sum.gradient[0] += wx, sum.gradient[1] += wy, sum.gradient[2] += wz;
+    const Pack nx = inverse_mass * wx, ny = inverse_mass * wy, nz = inverse_mass * wz;
+    c.xx += nx * wx, c.yy += ny * wy, c.zz += nz * wz;
+    c.xy += nx * wy, c.yz += ny * wz, c.zx += nz * wx;
+  }
+  return sum;
 }
 
 SoilStateOf<Pack> load_state(const Particles& p, std::size_t i, std::size_t count) {
@@ -97,14 +77,20 @@ PackMask is_valid(const SoilStateOf<Pack>& state) {
   return state.compression > low && state.compression < high && stdx::abs(sum) < 1e300;
 }
 
-/// V sigma B, the half of the pair force that a particle brings.
-void store_stress_gradient(const SoilStateOf<Pack>& state, const SymmetricTensorOf<Pack>& correction,
-                           const Pack& volume, std::size_t i, std::size_t count, Particles& p) {
+/// V sigma B, the half of the pair force that a particle brings, and its viscous factors.
+void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorOf<Pack>& correction,
+                          const Pack& volume, const Pack& viscous_linear, const Pack& viscous_quadratic,
+                          std::size_t i, std::size_t count, Particles& p) {
   SymmetricTensorOf<Pack> force = state.deviator;
   force.xx -= state.pressure, force.yy -= state.pressure, force.zz -= state.pressure;
   const TensorOf<Pack> q = dot(volume * force, correction);
   const std::array<const Pack*, 9> component{&q.xx, &q.xy, &q.xz, &q.yx, &q.yy, &q.yz, &q.zx, &q.zy, &q.zz};
-  for (std::size_t c = 0; c < 9; ++c) store_lanes(*component[c], p.stress_gradient[c], i, count);
+  for (std::size_t l = 0; l < count; ++l) {
+    StressRecord& record = p.stress[i + l];
+    for (std::size_t c = 0; c < 9; ++c) record.v_sigma_b[c] = static_cast<float>((*component[c])[l]);
+    record.viscous_linear = static_cast<float>(viscous_linear[l]);
+    record.viscous_quadratic = static_cast<float>(viscous_quadratic[l]);
+  }
 }
 
 /// |row i of L|^2 in mass-scaled velocities, 1/(kg m^2): what stable_step.h bounds frequencies with.
@@ -130,7 +116,7 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
                       std::size_t i, std::size_t count, Particles& p, PackSums& total) {
   std::array<const SoilLaw*, lanes> of_lane;
   for (std::size_t l = 0; l < lanes; ++l)
-    of_lane[l] = &settings.laws[static_cast<std::size_t>(p.law[i + (l < count ? l : 0)])];
+    of_lane[l] = &settings.laws[static_cast<std::size_t>(p.material[i + (l < count ? l : 0)])];
   const LawOfLanes law(of_lane);
   const SymmetricTensorOf<Pack> correction = correction_matrices(sums.moment);
   const TensorOf<Pack> velocity_gradient = dot(sums.velocity, correction);
@@ -139,49 +125,38 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   if (dt > 0) {
     const SoilWorkOf<Pack> work = update_soil_state(law, strain_step_of(velocity_gradient, dt), state);
     const Pack before = volume;
-    volume = load_lanes(p.reference_volume, i, count) * exp(-state.compression);
+    volume = load_lanes(p.mass, i, count) / law.value(&SoilLaw::density) * exp(-state.compression);
     const Pack middle_volume = 0.5 * (before + volume);
     total.work += only(middle_volume * work.total, count);
     total.plastic += only(middle_volume * work.dissipated, count);
     store_state(state, i, count, p);
     total.valid = total.valid && stdx::all_of(is_valid(state));
   }
-  store_lanes(volume, p.next_volume, i, count);
-  store_lanes(sums.gradient[0], p.gradient_sum.x, i, count);
-  store_lanes(sums.gradient[1], p.gradient_sum.y, i, count);
-  store_lanes(sums.gradient[2], p.gradient_sum.z, i, count);
-  store_stress_gradient(state, correction, volume, i, count, p);
+  store_lanes(volume, p.volume, i, count);
 
   const Pack mass = load_lanes(p.mass, i, count);
   const Pack modulus = state.bulk_modulus * (1.0 + 4.0 / 3.0 * law.value(&SoilLaw::shear_ratio));
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
-  const Pack frequency =
-      stdx::sqrt(modulus * volume * row_mobility(sums, correction, load_lanes(p.inverse_mass, i, count)));
+  const Pack frequency = stdx::sqrt(modulus * volume * row_mobility(sums, correction, Pack(1.0) / mass));
   const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
   total.stable_step = stdx::min(
       total.stable_step,
       particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate))));
+  Pack linear = 0, quadratic = 0;
   if (settings.artificial_viscosity) {
-    const Pack quadratic = stdx::sqrt(mass * volume);
-    store_lanes(quadratic, p.viscous_quadratic, i, count);
-    store_lanes(quadratic * stdx::sqrt(wave_speed), p.viscous_linear, i, count);
+    quadratic = stdx::sqrt(mass * volume);
+    linear = quadratic * stdx::sqrt(wave_speed);
   }
+  store_stress_records(state, correction, volume, linear, quadratic, i, count, p);
 }
 
 template <class KernelType>
 StressSums update_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
                         double dt, std::size_t begin, std::size_t end, Particles& p) {
   PackSums total;
-  GradientTile tile;
-  for (std::size_t first = begin; first < end; first += tile_size) {
-    const std::size_t size = std::min(tile_size, end - first);
-    for (std::size_t k = 0; k < size; ++k) sum_pair_gradients(kernel, list, p, first + k, tile, k);
-    for (std::size_t k = 0; k < size; k += lanes) {
-      const std::size_t count = std::min(lanes, size - k);
-      const auto sums = unpack<Pack>([&](std::size_t r) { return load_lanes(&tile.row[r][k], count); });
-      update_particles(settings, sums, dt, first + k, count, p, total);
-    }
-  }
+  for (std::size_t i = begin; i < end; i += lanes)
+    update_particles(settings, sum_pair_gradients(kernel, list, p, i / lanes), dt, i,
+                     std::min(lanes, end - i), p, total);
   return {sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step), total.valid};
 }
 
@@ -189,16 +164,19 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
 
 GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& list,
                            const Particles& particles, std::size_t i) {
-  GradientTile tile;
-  with_kernel(settings.options,
-              [&](const auto kernel) { sum_pair_gradients(kernel, list, particles, i, tile, 0); });
-  const auto sums = unpack<double>([&](std::size_t r) { return tile.row[r][0]; });
+  const auto all = with_kernel(settings.options, [&](const auto kernel) {
+    return sum_pair_gradients(kernel, list, particles, i / lanes);
+  });
+  const auto tensor = [l = i % lanes](const SymmetricTensorOf<Pack>& t) {
+    return SymmetricTensor{t.xx[l], t.yy[l], t.zz[l], t.xy[l], t.yz[l], t.zx[l]};
+  };
+  const std::size_t l = i % lanes;
+  const TensorOf<Pack>& v = all.velocity;
   GradientSums result;
-  const TensorOf<double>& v = sums.velocity;
-  result.moment = sums.moment;
-  result.velocity << v.xx, v.xy, v.xz, v.yx, v.yy, v.yz, v.zx, v.zy, v.zz;
-  result.gradient = {sums.gradient[0], sums.gradient[1], sums.gradient[2]};
-  result.mobility = sums.mobility;
+  result.moment = tensor(all.moment);
+  result.velocity << v.xx[l], v.xy[l], v.xz[l], v.yx[l], v.yy[l], v.yz[l], v.zx[l], v.zy[l], v.zz[l];
+  result.gradient = {all.gradient[0][l], all.gradient[1][l], all.gradient[2][l]};
+  result.mobility = tensor(all.mobility);
   return result;
 }
 

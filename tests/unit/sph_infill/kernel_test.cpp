@@ -39,8 +39,8 @@ TYPED_TEST(KernelProperty, VanishesBeyondItsSupportAndIsFiniteAtZero) {
     EXPECT_EQ(kernel.value(r), 0);
     EXPECT_EQ(kernel.slope_over_distance(r * r), 0);
   }
-  EXPECT_TRUE(std::isfinite(kernel.slope_over_distance(0)));
-  EXPECT_LT(kernel.slope_over_distance(0), 0);
+  EXPECT_TRUE(std::isfinite(kernel.slope_over_distance(0.0)));
+  EXPECT_LT(kernel.slope_over_distance(0.0), 0);
 }
 
 }  // namespace
