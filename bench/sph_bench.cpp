@@ -1,11 +1,15 @@
-/// Particle-steps per second of SPH infill on a settled bed of 300 000 particles, both presets, 1 and 2
-/// threads. The argument of a benchmark is its number of threads; counter `particle_steps` is the rate in
-/// real time.
+/// Particle-steps per second of SPH infill on a settled, disordered bed: both presets, 1 and 2 threads, 300
+/// 000 particles, and from 20 000 to 2 000 000. The argument of a benchmark is its number of threads; counter
+/// `particle_steps` is the rate in real time, `bytes` the growth of the process' resident memory by the bed
+/// over its particles.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <fstream>
 #include <memory>
+#include <random>
+#include <string>
 
 #include "core/parallel.h"
 #include "sph_infill/sph_infill.h"
@@ -37,23 +41,51 @@ Material bench_material() {
   return material;
 }
 
-/// 110 x 110 x 25 = 302 500 particles at rest under their weight, held by a floor.
+/// Resident memory of this process, bytes.
+double resident_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmRSS:") {
+      double kibibytes = 0;
+      status >> kibibytes;
+      return 1024 * kibibytes;
+    }
+  return 0;
+}
+
+struct Preset {
+  Kernel kernel;
+  double smoothing_over_pitch;
+};
+constexpr Preset paper{Kernel::cubic_spline, 0.71}, accurate{Kernel::wendland_c2, 1.3};
+
+/// side x side x 25 particles, thrown off their lattice by up to a seventh of the pitch, at rest under their
+/// weight and held by a floor.
 class Bed {
  public:
-  Bed(Kernel kernel, double smoothing_over_pitch) {
+  Bed(const Preset& preset, int side) {
     Turf turf;
     turf.layers = {{0, 25 * pitch}};
-    const Lattice lattice = make_lattice(turf, {{110 * pitch, 110 * pitch}, 0}, pitch);
+    Lattice lattice = make_lattice(turf, {{side * pitch, side * pitch}, 0}, pitch);
+    std::mt19937_64 random(1);
+    const auto thrown = [&](double& x) {
+      x += pitch / 7 * (static_cast<double>(random() >> 11) * 0x1p-52 - 1);
+    };
+    for (auto* x : {&lattice.position.x, &lattice.position.y, &lattice.position.z})
+      std::ranges::for_each(*x, thrown);
+    const double before = resident_memory();
     SphSettings settings;
     settings.options.pitch = pitch;
-    settings.options.kernel = kernel;
-    settings.options.smoothing_length = smoothing_over_pitch * pitch;
+    settings.options.kernel = preset.kernel;
+    settings.options.smoothing_length = preset.smoothing_over_pitch * pitch;
     const std::vector<Material> materials{bench_material()};
     infill_ = std::make_unique<SphInfill>(lattice, materials, settings);
     stiffness_ = 10 * constrained_modulus(*materials[0].continuum, 100e3) * pitch;
     infill_->set_damping(2000);
     for (int k = 0; k < settling_steps; ++k) advance(1);
     infill_->set_damping(0);
+    const double contact = 3 * sizeof(double);  // of the impulses given, which are not the infill's
+    bytes_ = (resident_memory() - before) / static_cast<double>(lattice.position.size()) - contact;
   }
   void advance(int substeps) {
     const ParticleView p = infill_->particles();
@@ -64,17 +96,23 @@ class Bed {
     infill_->advance(window, substeps, contact_);
   }
   [[nodiscard]] const SphInfill& infill() const { return *infill_; }
+  [[nodiscard]] double bytes() const { return bytes_; }
 
  private:
   std::unique_ptr<SphInfill> infill_;
   ContactImpulses contact_;
-  double stiffness_ = 0;
+  double stiffness_ = 0, bytes_ = 0;
 };
 
-void measure(benchmark::State& state, Kernel kernel, double smoothing_over_pitch) {
-  static std::map<Kernel, std::unique_ptr<Bed>> beds;  // settled once for both thread counts
-  auto& bed = beds[kernel];
-  if (!bed) bed = std::make_unique<Bed>(kernel, smoothing_over_pitch);
+void measure(benchmark::State& state, const Preset& preset, int side) {
+  // Settled once for both thread counts; one at a time, for the largest takes a gigabyte.
+  static std::unique_ptr<Bed> bed;
+  static std::pair<Kernel, int> is{Kernel::cubic_spline, 0};
+  if (is != std::pair{preset.kernel, side}) {
+    bed.reset();
+    bed = std::make_unique<Bed>(preset, side);
+    is = {preset.kernel, side};
+  }
   set_threads(static_cast<int>(state.range(0)));
   const std::uint64_t before = bed->infill().particle_steps();
   constexpr int substeps = 4;
@@ -82,17 +120,34 @@ void measure(benchmark::State& state, Kernel kernel, double smoothing_over_pitch
   state.counters["particle_steps"] = benchmark::Counter(
       static_cast<double>(bed->infill().particle_steps() - before), benchmark::Counter::kIsRate);
   state.counters["neighbours"] = bed->infill().mean_neighbours();
+  state.counters["bytes"] = bed->bytes();
 }
 
 void sph_paper(benchmark::State& state) {
-  measure(state, Kernel::cubic_spline, 0.71);
+  measure(state, paper, 110);
 }
 void sph_accurate(benchmark::State& state) {
-  measure(state, Kernel::wendland_c2, 1.3);
+  measure(state, accurate, 110);
+}
+void sph_paper_20k(benchmark::State& state) {
+  measure(state, paper, 28);
+}
+void sph_paper_2m(benchmark::State& state) {
+  measure(state, paper, 283);
+}
+void sph_accurate_20k(benchmark::State& state) {
+  measure(state, accurate, 28);
+}
+void sph_accurate_2m(benchmark::State& state) {
+  measure(state, accurate, 283);
 }
 
 BENCHMARK(sph_paper)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(sph_accurate)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(sph_paper_20k)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(sph_paper_2m)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(sph_accurate_20k)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(sph_accurate_2m)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace tuft::sph

@@ -184,8 +184,9 @@ struct SphOptions {
   double pitch = 0.002;             ///< m, lattice spacing
   double smoothing_length = 0;      ///< m; set by the preset unless given
   Kernel kernel = Kernel::wendland_c2;
-  double viscosity_linear = 0.3;     ///< artificial viscosity, Monaghan alpha
-  double viscosity_quadratic = 0.6;  ///< Monaghan beta
+  double viscosity_linear = 0.3;        ///< artificial viscosity, Monaghan alpha
+  double viscosity_quadratic = 0.6;     ///< Monaghan beta
+  double zero_energy_viscosity = 0.05;  ///< zeta of the control of zero-energy modes (sph_loops.h)
 };
 
 struct GrainPairFriction {

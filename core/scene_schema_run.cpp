@@ -25,6 +25,8 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
               non_negative);
   keys.number({"viscosity_quadratic", "artificial viscosity, Monaghan's beta"}, sph.viscosity_quadratic,
               non_negative);
+  keys.number({"zero_energy_viscosity", "against motion between neighbours that no velocity gradient sees"},
+              sph.zero_energy_viscosity, non_negative);
 }
 
 void describe_dem(KeyVisitor& keys, DemOptions& dem) {

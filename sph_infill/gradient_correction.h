@@ -21,30 +21,45 @@ inline constexpr double least_support = 0.1;
 /// `least_support` is replaced by it. Supported directions stay exact, the gradient in the others fades to
 /// zero with the support, B is continuous in M and bounded by 1/least_support, so that such a particle cannot
 /// ruin the stable step. A particle without neighbours has M = 0 and a zero gradient whatever B is.
-inline SymmetricTensor correction_matrix(const SymmetricTensor& moment) {
+struct Correction {
+  SymmetricTensor b;
+  bool exact;  ///< M^-1, with no eigenvalue replaced
+};
+inline Correction correction_of(const SymmetricTensor& moment) {
   const double det = determinant(moment), sum = trace(moment);
   // The two larger eigenvalues multiply to at most (sum/2)^2, so this bounds the smallest from below.
-  if (det >= least_support * 0.25 * sum * sum && sum > 0) return inverse(moment, det);
+  if (det >= least_support * 0.25 * sum * sum && sum > 0) return {inverse(moment, det), true};
   const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(to_matrix(moment));
   const Vec3 inverted = spectrum.eigenvalues().cwiseMax(least_support).cwiseInverse();
-  return symmetric_part(spectrum.eigenvectors() * inverted.asDiagonal() *
-                        spectrum.eigenvectors().transpose());
+  return {
+      symmetric_part(spectrum.eigenvectors() * inverted.asDiagonal() * spectrum.eigenvectors().transpose()),
+      spectrum.eigenvalues()[0] >= least_support};
+}
+inline SymmetricTensor correction_matrix(const SymmetricTensor& moment) {
+  return correction_of(moment).b;
 }
 
+struct Corrections {
+  SymmetricTensorOf<Pack> b;
+  PackMask exact;
+};
+
 /// The same for as many particles as there are lanes: those with little support one by one.
-inline SymmetricTensorOf<Pack> correction_matrices(const SymmetricTensorOf<Pack>& moment) {
+inline Corrections correction_matrices(const SymmetricTensorOf<Pack>& moment) {
   const Pack det = determinant(moment), sum = trace(moment);
-  const auto supported = det >= (least_support * 0.25) * sum * sum && sum > 0.0;
-  SymmetricTensorOf<Pack> b = inverse(moment, select(supported, det, Pack(1.0)));
-  if (stdx::all_of(supported)) return b;
+  const PackMask supported = det >= (least_support * 0.25) * sum * sum && sum > 0.0;
+  Corrections all{inverse(moment, select(supported, det, Pack(1.0))), supported};
+  if (stdx::all_of(supported)) return all;
+  SymmetricTensorOf<Pack>& b = all.b;
   for (std::size_t l = 0; l < lanes; ++l) {
     if (supported[l]) continue;
-    const SymmetricTensor one = correction_matrix(
+    const auto [one, exact] = correction_of(
         SymmetricTensor{moment.xx[l], moment.yy[l], moment.zz[l], moment.xy[l], moment.yz[l], moment.zx[l]});
     b.xx[l] = one.xx, b.yy[l] = one.yy, b.zz[l] = one.zz;
     b.xy[l] = one.xy, b.yz[l] = one.yz, b.zx[l] = one.zx;
+    all.exact[l] = exact;
   }
-  return b;
+  return all;
 }
 
 }  // namespace tuft::sph

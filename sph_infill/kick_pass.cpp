@@ -10,10 +10,45 @@ struct PairForces {
   std::array<Pack, 3> stress{}, viscous{};  ///< N
 };
 
+/// The control of zero-energy modes (sph_loops.h), pair by pair.
+class ResidualForces {
+ public:
+  ResidualForces(const Particles& p, const Index* own)
+      : records_(p.residual.data()), own_(load_records(records_, own)) {}
+
+  /// u: v_j - v_i. g: slope (x_i - x_j).
+  void add(const Index* index, const Pack& slope, const Pack& volume, const std::array<Pack, 3>& u,
+           const std::array<Pack, 3>& g) {
+    const auto q = load_records(records_, index);
+    const Pack own_weight = volume * slope, weight = q[9] * slope;
+    for (std::size_t d = 0; d < 3; ++d) {
+      motion_[d] += own_weight * u[d];
+      neighbours_[d] += weight * u[d] + (q[3 * d] * g[0] + q[3 * d + 1] * g[1] + q[3 * d + 2] * g[2]);
+    }
+  }
+  /// gradient: sum_j V_j g_ij.
+  [[nodiscard]] Pack force(std::size_t d, const Pack& volume, const std::array<Pack, 3>& gradient) const {
+    return -(own_[9] * motion_[d] + own_[3 * d] * gradient[0] + own_[3 * d + 1] * gradient[1] +
+             own_[3 * d + 2] * gradient[2] + volume * neighbours_[d]);
+  }
+
+ private:
+  const ResidualRecord* records_;
+  std::array<Pack, ResidualRecord::values> own_;
+  std::array<Pack, 3> motion_{}, neighbours_{};
+};
+
+/// The forces that a scene's effects call for; those that are not cost nothing.
+template <bool viscosity, bool zero_energy_control>
+struct Forces {
+  static constexpr bool viscous = viscosity, controlled = zero_energy_control,
+                        dissipative = viscous || controlled;
+};
+
 /// Viscosity (Monaghan 1992): pressure-like (-alpha c mu + beta mu^2)/rho on approaching pairs, mu = h
 /// u.d/(d^2 + 0.01 h^2). Means of rho and c of a pair are geometric, so that the pair's factor is a product
 /// of one number of each.
-template <bool viscous, class KernelType>
+template <class Chosen, class KernelType>
 PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, const NeighbourList& list,
                            const Particles& p, std::size_t group) {
   const auto own_index = indices_of_group(group, p.size());
@@ -27,6 +62,12 @@ PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, c
   const NeighbourList::GroupRows rows = list.group(group);
   std::array<Pack, 3> neighbours{}, gradient{};  // sum_j Q_j g_ij and sum_j V_j g_ij
   PairForces force;
+  [[maybe_unused]] auto residual = [&] {
+    if constexpr (Chosen::controlled)
+      return ResidualForces(p, own_index.data());
+    else
+      return 0;
+  }();
   for (std::size_t k = 0; k < rows.length; ++k) {
     const Index* index = rows.first + k * lanes;
     const auto [x, y, z, vx, vy, vz, volume, inverse_mass] = load_records(p.motion.data(), index);
@@ -39,13 +80,17 @@ PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, c
     neighbours[1] += nyx * gx + nyy * gy + nyz * gz;
     neighbours[2] += nzx * gx + nzy * gy + nzz * gz;
     gradient[0] += volume * gx, gradient[1] += volume * gy, gradient[2] += volume * gz;
-    if constexpr (viscous) {
-      const Pack approach = (vx - vxi) * dx + (vy - vyi) * dy + (vz - vzi) * dz;
+    const Pack ux = vx - vxi, uy = vy - vyi, uz = vz - vzi;
+    if constexpr (Chosen::viscous) {
+      const Pack approach = ux * dx + uy * dy + uz * dz;
       const Pack mu = h * stdx::max(Pack(0.0), approach) / (distance_squared + floor);
       const Pack a = mu * (own_linear * linear + own_quadratic * quadratic * mu);
       force.viscous[0] -= a * gx, force.viscous[1] -= a * gy, force.viscous[2] -= a * gz;
     }
+    if constexpr (Chosen::controlled) residual.add(index, slope, volume, {ux, uy, uz}, {gx, gy, gz});
   }
+  if constexpr (Chosen::controlled)
+    for (std::size_t d = 0; d < 3; ++d) force.viscous[d] += residual.force(d, volume_i, gradient);
   force.stress = {qxx * gradient[0] + qxy * gradient[1] + qxz * gradient[2] + volume_i * neighbours[0],
                   qyx * gradient[0] + qyy * gradient[1] + qyz * gradient[2] + volume_i * neighbours[1],
                   qzx * gradient[0] + qzy * gradient[1] + qzz * gradient[2] + volume_i * neighbours[2]};
@@ -79,13 +124,13 @@ std::vector<double>& axis_of(Vec3Array& v, std::size_t axis) {
 }
 
 /// One component of the kick of `count` particles from i on.
-template <bool viscous>
+template <class Chosen>
 void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis, std::size_t i,
                     std::size_t count, Particles& p, PackSums& total) {
   const auto of = [&](const std::vector<double>& values) { return load_lanes(values, i, count); };
   const Pack mass = of(p.mass), before = of(axis_of(p.velocity, axis));
   const Pack viscous_force = forces.viscous[axis];
-  const Pack force = viscous ? forces.stress[axis] + viscous_force : forces.stress[axis];
+  const Pack force = Chosen::dissipative ? forces.stress[axis] + viscous_force : forces.stress[axis];
 
   const double t = kick.duration(), gravity = kick.gravity[static_cast<Eigen::Index>(axis)];
   const Pack impulse = kick.impulse ? kick.impulse_share * of(axis_of(*kick.impulse, axis)) : Pack(0.0);
@@ -105,7 +150,7 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   };
   total.kinetic += only(0.5 * mass * before * (before + share_before * (after - before)), count);
   total.gravity_potential -= only(mass * gravity * of(axis_of(p.position, axis)), count);
-  if constexpr (viscous) add_work(total.viscous, -t * viscous_force);
+  if constexpr (Chosen::dissipative) add_work(total.viscous, -t * viscous_force);
   add_work(total.damping, kick.damping * t * mass * mean);
   add_work(total.contact, impulse);
   const Pack received = only(mass * contact_change, count);
@@ -113,14 +158,14 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   total.impulse_scale[axis] += stdx::abs(received);
 }
 
-template <bool viscous, class KernelType>
+template <class Chosen, class KernelType>
 KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
                     const Kick& kick, std::size_t begin, std::size_t end, Particles& p) {
   PackSums total;
   for (std::size_t i = begin; i < end; i += lanes) {
-    const PairForces forces = sum_pair_forces<viscous>(kernel, settings.options, list, p, i / lanes);
+    const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
     for (std::size_t axis = 0; axis < 3; ++axis)
-      kick_component<viscous>(kick, forces, axis, i, std::min(lanes, end - i), p, total);
+      kick_component<Chosen>(kick, forces, axis, i, std::min(lanes, end - i), p, total);
   }
   return total.sum();
 }
@@ -140,16 +185,20 @@ KickSums& KickSums::operator+=(const KickSums& other) {
 
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
               std::vector<KickSums>& blocks) {
-  const auto pass = [&]<bool viscous>(const auto kernel) {
+  const auto pass = [&](auto chosen, const auto kernel) {
     for_blocks(particles.size(), [&](std::size_t b, std::size_t begin, std::size_t end) {
-      blocks[b] = kick_block<viscous>(kernel, settings, list, kick, begin, end, particles);
+      blocks[b] = kick_block<decltype(chosen)>(kernel, settings, list, kick, begin, end, particles);
     });
   };
   with_kernel(settings.options, [&](const auto kernel) {
-    if (settings.artificial_viscosity)
-      pass.template operator()<true>(kernel);
+    if (settings.artificial_viscosity && settings.zero_energy_control)
+      pass(Forces<true, true>(), kernel);
+    else if (settings.artificial_viscosity)
+      pass(Forces<true, false>(), kernel);
+    else if (settings.zero_energy_control)
+      pass(Forces<false, true>(), kernel);
     else
-      pass.template operator()<false>(kernel);
+      pass(Forces<false, false>(), kernel);
   });
   KickSums sum;
   for (const KickSums& block : blocks) sum += block;

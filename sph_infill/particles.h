@@ -46,6 +46,20 @@ struct StressRecord {
                                             index);
 }
 
+/// What the force loop reads where zero-energy modes are controlled; see sph_loops.h.
+struct ResidualRecord {
+  std::array<float, 9> v_c_l;  ///< V C L by rows, m^3 Pa
+  float v_c;                   ///< V C, m^3 Pa s
+  std::array<float, 2> unused;
+
+  static constexpr std::size_t values = 12;
+};
+[[nodiscard]] inline std::array<Pack, ResidualRecord::values> load_records(const ResidualRecord* records,
+                                                                           const Index* index) {
+  return load_columns<ResidualRecord::values>(reinterpret_cast<const float*>(records), ResidualRecord::values,
+                                              index);
+}
+
 struct Particles {
   // What a checkpoint holds.
   Vec3Array position;  ///< m, at t_k
@@ -65,6 +79,7 @@ struct Particles {
   // What follows from the above in every step.
   std::vector<MotionRecord> motion;
   std::vector<StressRecord> stress;
+  std::vector<ResidualRecord> residual;  ///< empty where zero-energy modes are not controlled
 
   [[nodiscard]] std::size_t size() const { return mass.size(); }
 

@@ -23,7 +23,8 @@ void check_settings(const Lattice& lattice, const SphSettings& settings) {
       throw_input_error("lattice of SPH infill: particle {} has position ({}, {}, {}) m and volume {} m^3", i,
                         lattice.position.x[i], lattice.position.y[i], lattice.position.z[i],
                         lattice.volume[i]);
-  for (const double viscosity : {options.viscosity_linear, options.viscosity_quadratic})
+  for (const double viscosity :
+       {options.viscosity_linear, options.viscosity_quadratic, options.zero_energy_viscosity})
     if (!(viscosity >= 0) || !std::isfinite(viscosity))
       throw_input_error("infill.sph viscosity is {}; it must be at least 0", viscosity);
 }
@@ -51,12 +52,15 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   Impl& m = *impl_;
   m.settings.options = settings.options;
   m.settings.artificial_viscosity = settings.artificial_viscosity;
-  m.settings.step_limit = make_step_limit(settings.options, settings.artificial_viscosity);
+  m.settings.zero_energy_control = settings.zero_energy_control;
+  m.settings.step_limit =
+      make_step_limit(settings.options, settings.artificial_viscosity, settings.zero_energy_control);
   m.gravity = settings.gravity;
 
   Particles& p = m.particles;
   const std::size_t n = lattice.position.size();
   p.assign(n);
+  if (settings.zero_energy_control) p.residual.assign(n, {});
   p.position = lattice.position;
   p.volume = lattice.volume;
   p.layer = lattice.layer;

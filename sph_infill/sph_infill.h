@@ -32,6 +32,7 @@ struct SphSettings {
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool artificial_viscosity = true;
   bool tension_cutoff = true;
+  bool zero_energy_control = false;
 };
 
 /// Constrained modulus of the law at pressure p, Pa: K_unloading + 4/3 G there (the stiffest path).

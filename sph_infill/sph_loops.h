@@ -19,6 +19,23 @@
 /// product a pair: f_k = Q_k (sum_j V_j g_kj) + V_k sum_j Q_j g_kj. (V and v* differ by one step's
 /// compression; keeping V through both passes is what makes them partners exactly.)
 ///
+/// Zero-energy modes. L sees the part of a neighbourhood's motion that is linear. What is left of a pair's
+/// motion, r_ij = v_j - v_i - L_i (x_j - x_i), meets no stress, and gathers from rounding and contact. It is
+/// damped by
+///
+///   D = sum_i C_i V_i/2 sum_j V_j s_ij |r_ij|^2,   s_ij = -(dW/dr / r) >= 0,   C = zeta rho c h   (Pa s),
+///   f_k = -dD/dv_k = sum_j V_k V_j s_kj (C_k r_kj - C_j r_jk).
+///
+/// The derivatives through L vanish, for L_i is the least-squares fit with these weights:
+/// sum_j V_j s_ij r_ij (x) (x_j - x_i) = 0. By the same identity the torques of the pair forces cancel
+/// particle by particle. So the force takes 2 D of power, never gives any, keeps linear and angular momentum,
+/// and is zero for every linear motion, free surfaces included; on smooth motion it is a viscosity of the
+/// fourth derivative, of the size of zeta rho c h^3. (Particles whose correction is held back by
+/// `least_support` do not fit; their C is 0.) With Q' = V C L,
+///
+///   f_k = V_k C_k sum_j V_j s_kj (v_j - v_k) - Q'_k sum_j V_j g_kj
+///         + V_k sum_j (V_j C_j s_kj (v_j - v_k) - Q'_j g_kj).
+///
 /// Loops take as many particles at once as there are lanes, a particle a lane, and walk their rows side by
 /// side: no sum crosses lanes, and what follows from a particle's sums finds them in registers.
 #include "core/infill.h"
@@ -38,6 +55,7 @@ inline constexpr std::size_t block_size = 256;
 struct LoopSettings {
   SphOptions options;
   bool artificial_viscosity = true;
+  bool zero_energy_control = false;
   StepLimit step_limit;
   std::vector<SoilLaw> laws;  ///< by material
 };

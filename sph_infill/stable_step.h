@@ -23,29 +23,37 @@ namespace tuft::sph {
 inline constexpr double stable_phase = 1.7;
 
 struct StepLimit {
-  double smoothing_length = 0;     ///< m
-  double viscosity_linear = 0;     ///< Monaghan alpha, 0 when viscosity is off
-  double viscosity_quadratic = 0;  ///< Monaghan beta
+  double smoothing_length = 0;       ///< m
+  double viscosity_linear = 0;       ///< Monaghan alpha, 0 when viscosity is off
+  double viscosity_quadratic = 0;    ///< Monaghan beta
+  double zero_energy_viscosity = 0;  ///< zeta, 0 when zero-energy modes are not controlled
 };
 
-[[nodiscard]] inline StepLimit make_step_limit(const SphOptions& options, bool artificial_viscosity) {
-  if (!artificial_viscosity) return {options.smoothing_length, 0, 0};
-  return {options.smoothing_length, options.viscosity_linear, options.viscosity_quadratic};
+[[nodiscard]] inline StepLimit make_step_limit(const SphOptions& options, bool artificial_viscosity,
+                                               bool zero_energy_control = false) {
+  StepLimit limit{options.smoothing_length};
+  if (artificial_viscosity) {
+    limit.viscosity_linear = options.viscosity_linear;
+    limit.viscosity_quadratic = options.viscosity_quadratic;
+  }
+  if (zero_energy_control) limit.zero_energy_viscosity = options.zero_energy_viscosity;
+  return limit;
 }
 
 /// frequency: omega_i, 1/s. wave_speed: c, m/s. strain_rate: |D| = sqrt(D : D), 1/s.
 ///
 /// Viscosity acts with the velocity half a step behind, as a damping ratio xi would:
 /// dt = (2/omega)(sqrt(1 + xi^2) - xi). Measured: xi = 0.10-0.12 alpha; its quadratic term has alpha c + beta
-/// h |D| in place of alpha c. |D| is added to the frequency, for the geometry behind omega_i changes by |D|
-/// dt within the step.
+/// h |D| in place of alpha c; 0.38 zeta of the control of zero-energy modes. |D| is added to the frequency,
+/// for the geometry behind omega_i changes by |D| dt within the step.
 template <class Real>
 [[nodiscard]] TUFT_HD Real particle_stable_step(const StepLimit& limit, const Real& frequency,
                                                 const std::type_identity_t<Real>& wave_speed,
                                                 const std::type_identity_t<Real>& strain_rate) {
   using std::sqrt;
   const Real speed_ratio = limit.smoothing_length * strain_rate / wave_speed;
-  const Real xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio);
+  const Real xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio) +
+                  0.4 * limit.zero_energy_viscosity;
   return stable_phase / (frequency + strain_rate) * (sqrt(1.0 + xi * xi) - xi);
 }
 

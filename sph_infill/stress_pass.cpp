@@ -93,6 +93,19 @@ void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorO
   }
 }
 
+/// V C L and V C; C = zeta rho c h, or 0 where L is not the fit of the neighbours' motion.
+void store_residual_records(double zeta_h, const TensorOf<Pack>& l, const PackMask& fitted,
+                            const Pack& modulus, const Pack& mass, const Pack& volume, std::size_t i,
+                            std::size_t count, Particles& p) {
+  const Pack v_c = select(fitted, zeta_h * stdx::sqrt(modulus * mass * volume), Pack(0.0));
+  const std::array<const Pack*, 9> component{&l.xx, &l.xy, &l.xz, &l.yx, &l.yy, &l.yz, &l.zx, &l.zy, &l.zz};
+  for (std::size_t k = 0; k < count; ++k) {
+    ResidualRecord& record = p.residual[i + k];
+    for (std::size_t c = 0; c < 9; ++c) record.v_c_l[c] = static_cast<float>(v_c[k] * (*component[c])[k]);
+    record.v_c = static_cast<float>(v_c[k]);
+  }
+}
+
 /// |row i of L|^2 in mass-scaled velocities, 1/(kg m^2): what stable_step.h bounds frequencies with.
 Pack row_mobility(const GradientSumsOf<Pack>& sums, const SymmetricTensorOf<Pack>& b,
                   const Pack& inverse_mass) {
@@ -118,7 +131,7 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   for (std::size_t l = 0; l < lanes; ++l)
     of_lane[l] = &settings.laws[static_cast<std::size_t>(p.material[i + (l < count ? l : 0)])];
   const LawOfLanes law(of_lane);
-  const SymmetricTensorOf<Pack> correction = correction_matrices(sums.moment);
+  const auto [correction, fitted] = correction_matrices(sums.moment);
   const TensorOf<Pack> velocity_gradient = dot(sums.velocity, correction);
   SoilStateOf<Pack> state = load_state(p, i, count);
   Pack volume = load_lanes(p.volume, i, count);
@@ -148,6 +161,9 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
     linear = quadratic * stdx::sqrt(wave_speed);
   }
   store_stress_records(state, correction, volume, linear, quadratic, i, count, p);
+  if (settings.zero_energy_control)
+    store_residual_records(settings.options.zero_energy_viscosity * settings.options.smoothing_length,
+                           velocity_gradient, fitted, modulus, mass, volume, i, count, p);
 }
 
 template <class KernelType>
