@@ -9,10 +9,11 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 8> named_effects{{
+inline constexpr std::array<EffectName, 9> named_effects{{
     {"fibres", "strands of the carpet; off: the backing alone"},
     {"friction_rate", "friction that changes with sliding speed"},
     {"artificial_viscosity", "artificial viscosity (sph)"},
+    {"zero_energy_control", "no motion that velocity gradients do not see (sph)"},
     {"tension_cutoff", "infill that cannot bear tension (sph)"},
     {"rolling_resistance", "resistance of grains to rolling (dem)"},
     {"overlap_release", "initial overlap let go gradually"},

@@ -66,6 +66,11 @@ Need need_artificial_viscosity(const Scene& scene) {
   return {true, "SPH needs it to keep particles in order and to spread shocks over a few of them"};
 }
 
+Need need_zero_energy_control(const Scene& scene) {
+  if (scene.infill.sph.zero_energy_viscosity == 0) return {false, "infill.sph.zero_energy_viscosity is 0"};
+  return {true, "SPH needs it against motion of neighbours that no velocity gradient sees"};
+}
+
 Need need_tension_cutoff(const Scene&) {
   return {true, "loose infill bears no more tension than its material's tension_cutoff"};
 }
@@ -102,6 +107,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"fibres", std::nullopt, need_fibres},
     {"friction_rate", std::nullopt, need_friction_rate},
     {"artificial_viscosity", Approach::sph, need_artificial_viscosity},
+    {"zero_energy_control", Approach::sph, need_zero_energy_control},
     {"tension_cutoff", Approach::sph, need_tension_cutoff},
     {"rolling_resistance", Approach::dem, need_rolling_resistance},
     {"overlap_release", std::nullopt, need_overlap_release},

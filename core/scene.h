@@ -180,7 +180,7 @@ enum class Approach { sph, dem };
 enum class Kernel { cubic_spline, wendland_c2 };
 
 struct SphOptions {
-  std::string preset = "accurate";  ///< accurate | paper | custom
+  std::string preset = "accurate";  ///< accurate | fast | paper | custom
   double pitch = 0.002;             ///< m, lattice spacing
   double smoothing_length = 0;      ///< m; set by the preset unless given
   Kernel kernel = Kernel::wendland_c2;
@@ -309,8 +309,8 @@ struct EffectDecision {
 };
 
 /// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
-/// (velocity-dependent friction), artificial_viscosity, tension_cutoff, rolling_resistance, overlap_release,
-/// contact_damping, erosion.
+/// (velocity-dependent friction), artificial_viscosity, zero_energy_control, tension_cutoff,
+/// rolling_resistance, overlap_release, contact_damping, erosion.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 /// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
 [[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);

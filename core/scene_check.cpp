@@ -14,6 +14,7 @@ constexpr double margin_over_missile = 0.10;  // of its diameter, on each side o
 constexpr double share_tolerance = 1e-6;
 constexpr double wendland_over_pitch = 1.3;  // about 75 neighbours (PHYSICS section 2)
 constexpr double backing_strip_along = 0.016, backing_strip_across = 0.021;  // m, Bustamante et al. 2024
+constexpr double fast_over_pitch = 1.0;        // about 30 neighbours (docs/theory/sph.md, Presets)
 constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
 
 std::string in_mm(double metres) {
@@ -76,11 +77,13 @@ void check_shell_material(const ShellMaterial& m, const std::string& path, const
 struct PresetValues {
   Kernel kernel;
   double over_pitch;  ///< smoothing length / pitch
+  bool zero_energy_control = true;
 };
 
 std::optional<PresetValues> preset_values(const std::string& preset) {
   if (preset == "accurate") return PresetValues{Kernel::wendland_c2, wendland_over_pitch};
-  if (preset == "paper") return PresetValues{Kernel::cubic_spline, published_over_pitch};
+  if (preset == "fast") return PresetValues{Kernel::cubic_spline, fast_over_pitch};
+  if (preset == "paper") return PresetValues{Kernel::cubic_spline, published_over_pitch, false};
   return std::nullopt;
 }
 
@@ -110,6 +113,8 @@ void complete_sph(SphOptions& sph, const Places& places) {
                             sph.preset));
   if (!own_length) sph.smoothing_length = length;
   sph.kernel = values->kernel;
+  if (!values->zero_energy_control && !places.has("infill.sph.zero_energy_viscosity"))
+    sph.zero_energy_viscosity = 0;
 }
 
 void check_dem_names(const Scene& scene, const Places& places) {

@@ -6,7 +6,7 @@ namespace tuft::schema {
 namespace {
 
 constexpr std::string_view approaches[] = {"sph", "dem"};
-constexpr std::string_view presets[] = {"accurate", "paper", "custom"};
+constexpr std::string_view presets[] = {"accurate", "fast", "paper", "custom"};
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
 constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
@@ -15,8 +15,11 @@ constexpr std::string_view strip_grips[] = {"hold_width", "let_contract"};
 constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
 
 void describe_sph(KeyVisitor& keys, SphOptions& sph) {
-  keys.choice({"preset", "accurate: Wendland C2, h = 1.3 pitch; paper: cubic spline, h = 0.71 pitch; custom"},
-              sph.preset, presets);
+  keys.choice(
+      {"preset",
+       "accurate: Wendland C2, h = 1.3 pitch; fast: cubic spline, h = pitch; paper: cubic spline, h = 0.71 "
+       "pitch; custom"},
+      sph.preset, presets);
   keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
   keys.quantity({"smoothing_length", "h, half the kernel's support; left out: by the preset"},
                 sph.smoothing_length, "m", non_negative);
@@ -25,7 +28,8 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
               non_negative);
   keys.number({"viscosity_quadratic", "artificial viscosity, Monaghan's beta"}, sph.viscosity_quadratic,
               non_negative);
-  keys.number({"zero_energy_viscosity", "against motion between neighbours that no velocity gradient sees"},
+  keys.number({"zero_energy_viscosity",
+               "against motion of neighbours that no velocity gradient sees; left out: 0 with preset paper"},
               sph.zero_energy_viscosity, non_negative);
 }
 

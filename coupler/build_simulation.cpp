@@ -23,7 +23,8 @@ std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDe
   const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
   const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
-                                  effect_on(effects, "tension_cutoff")};
+                                  effect_on(effects, "tension_cutoff"),
+                                  effect_on(effects, "zero_energy_control")};
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 

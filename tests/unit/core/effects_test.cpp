@@ -45,6 +45,12 @@ TEST(Effects, FollowTheSceneUnlessSwitched) {
   EXPECT_FALSE(decide("artificial_viscosity",
                       {{"infill.sph.viscosity_linear", "0"}, {"infill.sph.viscosity_quadratic", "0"}})
                    .on);
+  EXPECT_TRUE(decide("zero_energy_control", {}).on);
+  EXPECT_FALSE(decide("zero_energy_control", {{"infill.sph.preset", "paper"}}).on)
+      << "the published model has none";
+  EXPECT_TRUE(decide("zero_energy_control",
+                     {{"infill.sph.preset", "paper"}, {"infill.sph.zero_energy_viscosity", "0.05"}})
+                  .on);
   EXPECT_FALSE(decide("overlap_release", {{"numerics.contact_release_time", "0 s"}}).on);
   EXPECT_TRUE(decide("rolling_resistance", {{"infill.approach", "dem"}}).on);
 }

@@ -106,6 +106,8 @@ TEST(SceneReader, PresetsSetKernelAndSmoothingLength) {
   EXPECT_EQ(sph("pitch = \"4 mm\"").kernel, Kernel::wendland_c2);
   EXPECT_DOUBLE_EQ(sph("pitch = \"2 mm\"\npreset = \"paper\"").smoothing_length, 0.00142);
   EXPECT_EQ(sph("preset = \"paper\"").kernel, Kernel::cubic_spline);
+  EXPECT_DOUBLE_EQ(sph("pitch = \"2 mm\"\npreset = \"fast\"").smoothing_length, 0.002);
+  EXPECT_EQ(sph("preset = \"fast\"").kernel, Kernel::cubic_spline);
   const SphOptions own = sph("smoothing_length = \"3 mm\"\nkernel = \"cubic_spline\"");
   EXPECT_EQ(own.preset, "custom");
   EXPECT_EQ(own.smoothing_length, 0.003);
