@@ -29,7 +29,7 @@ void check_settings(const Lattice& lattice, const SphSettings& settings) {
       throw_input_error("infill.sph viscosity is {}; it must be at least 0", viscosity);
 }
 
-SoilLaw law_of(const std::vector<Material>& materials, Index index, bool tension_cutoff) {
+SoilLaw law_of(const std::vector<Material>& materials, Index index, const SphSettings& settings) {
   if (index < 0 || static_cast<std::size_t>(index) >= materials.size())
     throw_input_error("SPH infill names material number {}, but there are {}", index, materials.size());
   const Material& material = materials[static_cast<std::size_t>(index)];
@@ -37,7 +37,7 @@ SoilLaw law_of(const std::vector<Material>& materials, Index index, bool tension
     throw_input_error("{}: material \"{}\" has no [continuum] block, which SPH infill needs", material.file,
                       material.name);
   try {
-    return make_soil_law(*material.continuum, tension_cutoff);
+    return make_soil_law(*material.continuum, settings.tension_cutoff, settings.soil_effects);
   } catch (const InputError& error) {
     throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
   }
@@ -52,6 +52,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   Impl& m = *impl_;
   m.settings.options = settings.options;
   m.settings.artificial_viscosity = settings.artificial_viscosity;
+  m.settings.soil_effects = settings.soil_effects;
   m.settings.step_limit = make_step_limit(settings.options, settings.artificial_viscosity);
   m.gravity = settings.gravity;
 
@@ -66,6 +67,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
         &p.inverse_mass, &p.radius, &p.viscous_linear, &p.viscous_quadratic})
     values->assign(n, 0);
   for (auto& values : p.deviator) values.assign(n, 0);
+  if (settings.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
   for (auto& values : p.stress_gradient) values.assign(n, 0);
   p.reference_volume = p.volume = p.next_volume = lattice.volume;
   p.layer = lattice.layer;
@@ -76,7 +78,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   for (std::size_t i = 0; i < n; ++i) {
     const auto [entry, is_new] =
         law_of_material.try_emplace(p.material[i], static_cast<Index>(m.settings.laws.size()));
-    if (is_new) m.settings.laws.push_back(law_of(materials, p.material[i], settings.tension_cutoff));
+    if (is_new) m.settings.laws.push_back(law_of(materials, p.material[i], settings));
     const SoilLaw& law = m.settings.laws[static_cast<std::size_t>(entry->second)];
     p.law[i] = entry->second;
     p.set_soil_state(i, reference_state(law));
@@ -240,11 +242,13 @@ std::vector<Infill::Field> SphInfill::fields() const {
     shear[i] = std::sqrt(0.5 * double_dot(s.deviator, s.deviator));
     vertical[i] = s.deviator.zz - s.pressure;
   }
-  return {{"pressure", "Pa", p.pressure},
-          {"density", "kg/m^3", std::move(density)},
-          {"shear_stress", "Pa", std::move(shear)},
-          {"vertical_stress", "Pa", std::move(vertical)},
-          {"plastic_compression", "1", p.plastic_compression}};
+  std::vector<Infill::Field> fields{{"pressure", "Pa", p.pressure},
+                                    {"density", "kg/m^3", std::move(density)},
+                                    {"shear_stress", "Pa", std::move(shear)},
+                                    {"vertical_stress", "Pa", std::move(vertical)},
+                                    {"plastic_compression", "1", p.plastic_compression}};
+  if (!p.lost_strength.empty()) fields.push_back({"lost_strength", "1", p.lost_strength});
+  return fields;
 }
 
 }  // namespace tuft::sph

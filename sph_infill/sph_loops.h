@@ -36,6 +36,7 @@ inline constexpr std::size_t block_size = 256;
 struct LoopSettings {
   SphOptions options;
   bool artificial_viscosity = true;
+  SoilEffects soil_effects;
   StepLimit step_limit;
   std::vector<SoilLaw> laws;
 };
