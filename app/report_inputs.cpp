@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -9,6 +10,7 @@
 #include "app/html.h"
 #include "app/number_format.h"
 #include "app/report_sections.h"
+#include "sph_infill/soil_law.h"
 
 namespace tuft::app {
 namespace {
@@ -101,9 +103,11 @@ std::string describe_grain(const GrainMaterial& grain) {
 }
 
 std::string describe_continuum(const SoilFoamMaterial& law) {
+  std::array<double, 3> yield{law.yield_a0, law.yield_a1, law.yield_a2};
+  if (law.mohr_coulomb) yield = sph::yield_of(*law.mohr_coulomb);
   return fmt::format("soil and foam, cohesion {}, slope α {}, G/K {}, tension cutoff {}",
-                     format_quantity(std::sqrt(std::max(0.0, law.yield_a0)), "Pa"),
-                     format_significant(std::sqrt(std::max(0.0, law.yield_a2)), 3),
+                     format_quantity(std::sqrt(std::max(0.0, yield[0])), "Pa"),
+                     format_significant(std::sqrt(std::max(0.0, yield[2])), 3),
                      format_significant(law.shear_ratio, 2), format_quantity(law.tension_cutoff, "Pa"));
 }
 

@@ -9,7 +9,7 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 9> named_effects{{
+inline constexpr std::array<EffectName, 15> named_effects{{
     {"fibres", "strands of the carpet; off: the backing alone"},
     {"friction_rate", "friction that changes with sliding speed"},
     {"artificial_viscosity", "artificial viscosity (sph)"},
@@ -19,6 +19,12 @@ inline constexpr std::array<EffectName, 9> named_effects{{
     {"overlap_release", "initial overlap let go gradually"},
     {"contact_damping", "energy lost in contacts"},
     {"erosion", "shells that are strained too far fail"},
+    {"density_hardening", "infill that compaction makes stiffer and stronger (sph)"},
+    {"strength_softening", "strength that the infill loses by shearing (sph)"},
+    {"strength_recovery", "lost strength that comes back with time or compression (sph)"},
+    {"strength_rate", "strength that grows with the rate of shear (sph)"},
+    {"dilation", "shear that loosens compacted infill (sph)"},
+    {"shear_energy", "elastic shear that keeps its energy when the shear modulus changes (sph)"},
 }};
 
 inline constexpr std::array<std::string_view, named_effects.size()> effect_names = [] {

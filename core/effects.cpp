@@ -19,6 +19,8 @@ struct EffectRule {
   std::string_view name;
   std::optional<Approach> only;  ///< the one approach that has this effect
   Need (*needed)(const Scene&);
+  /// What a scene must have for the effect to be switched on by hand, where that is less than `needed`.
+  Need (*usable)(const Scene&) = nullptr;
 };
 
 /// The infill materials that can touch something: a layer's own in SPH, its grains' in DEM.
@@ -103,6 +105,79 @@ Need need_erosion(const Scene& scene) {
   return {false, "no shell material has a failure_strain"};
 }
 
+/// Name of the first layer's material whose continuum passes a test, or empty.
+std::string first_continuum(const Scene& scene, const std::function<bool(const SoilFoamMaterial&)>& test) {
+  return first_with(scene, [&](const Material& m) { return m.continuum && test(*m.continuum); });
+}
+
+bool is_switched_off(const Scene& scene, const std::string& effect) {
+  const auto chosen = scene.effects.choice.find(effect);
+  return chosen != scene.effects.choice.end() && chosen->second == Switch::off;
+}
+
+bool hardens(const SoilFoamMaterial& m) {
+  return m.density_hardening &&
+         (m.density_hardening->modulus_exponent > 0 || m.density_hardening->cohesion_exponent > 0 ||
+          m.density_hardening->friction_exponent > 0);
+}
+
+Need need_density_hardening(const Scene& scene) {
+  const std::string name = first_continuum(scene, hardens);
+  if (name.empty()) return {false, "no material has a continuum.density_hardening with an exponent above 0"};
+  return {true, "compaction makes " + name + " stiffer and stronger (density_hardening)"};
+}
+
+Need need_strength_softening(const Scene& scene) {
+  const std::string name = first_continuum(scene, [](const SoilFoamMaterial& m) {
+    return m.strength_softening &&
+           (m.strength_softening->residual_cohesion < 1 || m.strength_softening->residual_friction < 1);
+  });
+  if (name.empty()) return {false, "no material has a continuum.strength_softening with a residual below 1"};
+  return {true, "shearing takes strength from " + name + " (strength_softening)"};
+}
+
+Need need_strength_recovery(const Scene& scene) {
+  if (is_switched_off(scene, "strength_softening") || !need_strength_softening(scene).on)
+    return {false, "no strength is lost that could come back (strength_softening)"};
+  const std::string name = first_continuum(scene, [](const SoilFoamMaterial& m) {
+    return m.strength_recovery && (m.strength_recovery->time > 0 || m.strength_recovery->compression > 0);
+  });
+  if (name.empty())
+    return {false, "no material has a continuum.strength_recovery with a time or compression above 0"};
+  return {true, "lost strength of " + name + " comes back (strength_recovery)"};
+}
+
+Need need_strength_rate(const Scene& scene) {
+  const std::string name = first_continuum(
+      scene, [](const SoilFoamMaterial& m) { return m.strength_rate && m.strength_rate->coefficient > 0; });
+  if (name.empty()) return {false, "no material has a continuum.strength_rate"};
+  return {true, "strength of " + name + " grows with the rate of shear (strength_rate)"};
+}
+
+Need need_dilation(const Scene& scene) {
+  const std::string name =
+      first_continuum(scene, [](const SoilFoamMaterial& m) { return m.dilation_angle > 0; });
+  if (name.empty()) return {false, "no material has a continuum.dilation_angle above 0"};
+  return {true, "shearing loosens " + name + " where it is compacted (dilation_angle)"};
+}
+
+bool modulus_follows_pressure(const SoilFoamMaterial& m) {
+  if (m.unloading_ratio > 0) return m.pressure_exponential || m.pressure.x.size() > 2;
+  return m.unloading.x.size() > 1;
+}
+
+Need need_shear_energy(const Scene& scene) {
+  if (!is_switched_off(scene, "density_hardening") && need_density_hardening(scene).on)
+    return {true, "density_hardening changes the shear modulus: no cycle may gain energy from that"};
+  return {false, "a choice: the deviator is kept when pressure changes the shear modulus, as in rate form"};
+}
+
+Need usable_shear_energy(const Scene& scene) {
+  if (first_continuum(scene, modulus_follows_pressure).empty() && !need_shear_energy(scene).on)
+    return {false, "no material's shear modulus changes"};
+  return {true, ""};
+}
+
 constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"fibres", std::nullopt, need_fibres},
     {"friction_rate", std::nullopt, need_friction_rate},
@@ -113,6 +188,12 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"overlap_release", std::nullopt, need_overlap_release},
     {"contact_damping", std::nullopt, need_contact_damping},
     {"erosion", std::nullopt, need_erosion},
+    {"density_hardening", Approach::sph, need_density_hardening},
+    {"strength_softening", Approach::sph, need_strength_softening},
+    {"strength_recovery", Approach::sph, need_strength_recovery},
+    {"strength_rate", Approach::sph, need_strength_rate},
+    {"dilation", Approach::sph, need_dilation},
+    {"shear_energy", Approach::sph, need_shear_energy, usable_shear_energy},
 }};
 
 static_assert([] {
@@ -154,7 +235,8 @@ std::vector<EffectDecision> decide_effects(const Scene& scene) {
 std::optional<EffectDecision> idle_effect(const Scene& scene) {
   for (const EffectRule& rule : rules) {
     if (choice_of(rule, scene) != Switch::on || is_of_other_approach(rule, scene)) continue;
-    if (const Need need = rule.needed(scene); !need.on)
+    const auto condition = rule.usable != nullptr ? rule.usable : rule.needed;
+    if (const Need need = condition(scene); !need.on)
       return EffectDecision{std::string(rule.name), false, need.why};
   }
   return std::nullopt;

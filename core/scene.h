@@ -113,6 +113,53 @@ struct CarpetDesign {
   CarpetMeshFile mesh;               ///< with a file, only thicknesses of the above still shape the carpet
 };
 
+/// First loading as a closed form: P = (modulus/growth) (exp(growth e) - 1), e = ln(rho/rho0). The modulus
+/// grows in proportion to pressure, modulus + growth P; Butterfield's (1979) line ln v = const - lambda* ln(p
+/// + p0) is the same curve with growth = 1/lambda* and modulus = p0/lambda*.
+struct ExponentialCompression {
+  double modulus = 0;  ///< Pa, > 0, at no pressure
+  double growth = 0;   ///< > 0
+};
+
+/// What a cone sqrt(J2) = k + alpha p agrees with of Mohr and Coulomb's tau = c + sigma tan(phi).
+enum class ConeMatch {
+  pure_shear,    ///< on a plane under the mean stress: alpha = tan(phi), k = c
+  plane_strain,  ///< Drucker & Prager (1952): alpha = 3 tan/sqrt(9 + 12 tan^2), k = 3 c/sqrt(9 + 12 tan^2)
+  triaxial_compression  ///< alpha = 6 sin/(sqrt(3) (3 - sin)), k = 6 c cos/(sqrt(3) (3 - sin))
+};
+struct MohrCoulombStrength {
+  double cohesion = 0;        ///< Pa, >= 0
+  double friction_angle = 0;  ///< rad, [0, pi/2)
+  ConeMatch match = ConeMatch::pure_shear;
+};
+
+/// Moduli and strength grow as powers of the largest density so far over that of the reference state: a
+/// factor (rho/rho0)^exponent = exp(exponent e) each; exponents >= 0.
+struct DensityHardening {
+  double modulus_exponent = 0;   ///< of the unloading bulk modulus, and with it the shear modulus
+  double cohesion_exponent = 0;  ///< of sqrt(a0)
+  double friction_exponent = 0;  ///< of sqrt(a2)
+};
+
+/// Strength is lost as exp(-gamma/strain) with the plastic shear strain gamma, down to what stays.
+struct StrengthSoftening {
+  double strain = 0;             ///< > 0
+  double residual_cohesion = 0;  ///< [0, 1], share of sqrt(a0) that stays
+  double residual_friction = 1;  ///< (0, 1], share of sqrt(a2) that stays
+};
+
+/// Lost strength comes back as exp(-t/time), and as exp(-e/compression) with every compression e.
+struct StrengthRecovery {
+  double time = 0;         ///< s; 0: not with time
+  double compression = 0;  ///< 0: not with compression
+};
+
+/// Strength times 1 + coefficient ln(1 + rate/reference), rate: shear strain rate sqrt(2 dev D : dev D).
+struct StrengthRate {
+  double coefficient = 0;  ///< > 0
+  double reference = 0;    ///< 1/s, > 0
+};
+
 /// Infill as a continuum: soil and foam (PHYSICS: Krieg; LS-DYNA MAT_005). Compression positive here.
 struct SoilFoamMaterial {
   double density = 0;         ///< kg/m^3 in bulk as placed (reference state, zero strain)
@@ -123,6 +170,16 @@ struct SoilFoamMaterial {
   double yield_a1 = 0;        ///< Pa
   double yield_a2 = 0;        ///< -
   double tension_cutoff = 0;  ///< Pa, >= 0: p >= -tension_cutoff, where the deviator is zeroed too
+
+  std::optional<ExponentialCompression> pressure_exponential = {};  ///< in place of `pressure`
+  double unloading_ratio = 0;  ///< >= 1, K_unloading over the slope of first loading; in place of `unloading`
+  std::optional<MohrCoulombStrength> mohr_coulomb = {};  ///< in place of yield_a0, yield_a1 and yield_a2
+  // What the effects of the same names need.
+  std::optional<DensityHardening> density_hardening = {};
+  std::optional<StrengthSoftening> strength_softening = {};
+  std::optional<StrengthRecovery> strength_recovery = {};
+  std::optional<StrengthRate> strength_rate = {};
+  double dilation_angle = 0;  ///< rad, [0, pi/2): plastic expansion over plastic shear strain is its tangent
 };
 
 /// One kind of grain.
@@ -310,7 +367,8 @@ struct EffectDecision {
 
 /// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
 /// (velocity-dependent friction), artificial_viscosity, zero_energy_control, tension_cutoff,
-/// rolling_resistance, overlap_release, contact_damping, erosion.
+/// rolling_resistance, overlap_release, contact_damping, erosion, density_hardening, strength_softening,
+/// strength_recovery, strength_rate, dilation, shear_energy.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 /// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
 [[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);

@@ -32,6 +32,29 @@ void check_virgin_curve(const Curve& curve, const std::string& path, const Place
   }
 }
 
+/// Each part of the law by exactly one of its forms, and parameters that agree with each other.
+void check_continuum(const SoilFoamMaterial& m, const std::string& path, const Places& places) {
+  if (!m.pressure.x.empty() && m.pressure_exponential)
+    places.fail(path + ".pressure_exponential", "first loading is given twice; leave out this or pressure");
+  if (m.pressure.x.empty() && !m.pressure_exponential)
+    places.fail(path + ".pressure",
+                "missing; give first loading as pressure = { unit, strain, values } or as "
+                "pressure_exponential = { modulus, growth }");
+  if (!m.pressure.x.empty()) check_virgin_curve(m.pressure, path + ".pressure", places);
+  if (!m.unloading.x.empty() && m.unloading_ratio > 0)
+    places.fail(path + ".unloading_ratio", "unloading is given twice; leave out this or unloading");
+  if (m.unloading.x.empty() && m.unloading_ratio == 0)
+    places.fail(path + ".unloading",
+                "missing; give unloading = { unit, pressure, modulus }, or unloading_ratio");
+  if (m.unloading_ratio > 0 && m.unloading_ratio < 1)
+    places.fail(path + ".unloading_ratio",
+                "must be at least 1: unloading softer than loading would return more than was put in");
+  if (m.mohr_coulomb && (m.yield_a0 > 0 || m.yield_a1 > 0 || m.yield_a2 > 0))
+    places.fail(path + ".mohr_coulomb",
+                "strength is given twice; leave out this or yield_a0, yield_a1 and yield_a2 (0 where a file "
+                "gives them)");
+}
+
 void check_shares(const Material& material, const std::string& path, const Places& places) {
   double sum = 0;
   for (std::size_t i = 0; i < material.grain_shares.size(); ++i) {
@@ -209,7 +232,7 @@ void check_effects(const Scene& scene, const Places& places) {
 void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
   if (material.continuum) {
     if (material.continuum->density == 0) material.continuum->density = material.bulk_density;
-    check_virgin_curve(material.continuum->pressure, path + ".continuum.pressure", places);
+    check_continuum(*material.continuum, path + ".continuum", places);
   }
   if (material.grain) {
     if (material.grain->diameter_max < material.grain->diameter_min)

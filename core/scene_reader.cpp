@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/material_reader.h"
 #include "core/scene_check.h"
 #include "core/scene_files.h"
 #include "core/scene_layout.h"
@@ -19,18 +19,15 @@ using schema::Document;
 using schema::KeyVisitor;
 using schema::TomlReader;
 
-std::string path_of_material(const std::string& name) {
-  return fmt::format("{}.{}", materials_key, name);
-}
-
 /// Reads one scene: its own text, and the files it names as they come up.
 class SceneAssembly {
  public:
   SceneAssembly(const std::string& text, const std::string& name, const Overrides& overrides)
-      : folders_(std::filesystem::path(name).parent_path()), toml_(schema::parse_toml(text, name)) {
+      : toml_(schema::parse_toml(text, name)), materials_(name, toml_, places_, scene_.materials) {
     scene_.file = name;
-    document_ = document_for(name);
+    document_ = materials_.document_for(name);
     document_.overridden = apply_overrides(toml_, overrides);
+    materials_.set_overridden(document_.overridden);
   }
 
   Scene assemble() {
@@ -42,32 +39,13 @@ class SceneAssembly {
         read_carpet(dynamic_cast<TomlReader&>(inside), carpet);
       });
     });
-    read_unused_materials();
+    materials_.read_unused();
     if (scene_.info.name.empty()) scene_.info.name = std::filesystem::path(scene_.file).stem().string();
     complete_scene(scene_, places_);
     return std::move(scene_);
   }
 
  private:
-  Document document_for(const std::string& file) {
-    Document document;
-    document.file = file;
-    document.places = &places_;
-    document.find_material = [this](const std::string& name, const Place& place) {
-      return material(name, place);
-    };
-    return document;
-  }
-
-  [[noreturn]] void fail_unknown_file(std::string_view kind, const std::string& name,
-                                      const Place& place) const {
-    const auto known = folders_.names(kind);
-    const auto nearest = nearest_name(name, known);
-    throw_bad_key(place.where, place.key, place.value,
-                  nearest ? fmt::format("no such file in {}/; did you mean \"{}\"?", kind, *nearest)
-                          : fmt::format("no such file in {}/; there are {}", kind, fmt::join(known, ", ")));
-  }
-
   /// The design's file first, then what the scene itself says of the carpet.
   void read_carpet(TomlReader& inside, CarpetDesign& carpet) {
     std::string origin;
@@ -100,7 +78,7 @@ class SceneAssembly {
     } catch (const InputError& error) {
       places_.fail("turf.carpet.mesh_unit", error.what());
     }
-    const auto file = folders_.find("meshes", mesh.file);
+    const auto file = materials_.folders().find("meshes", mesh.file);
     if (file)
       mesh.file = std::filesystem::absolute(*file).lexically_normal().string();
     else if (!complete)
@@ -109,9 +87,9 @@ class SceneAssembly {
   }
 
   void read_design(const std::string& design, CarpetDesign& carpet) {
-    const auto file = folders_.find("turfs", design);
-    if (!file) fail_unknown_file("turfs", design, places_.find("turf.design"));
-    Document document = document_for(file->string());
+    const auto file = materials_.folders().find("turfs", design);
+    if (!file) fail_unknown_file(materials_.folders(), "turfs", design, places_.find("turf.design"));
+    Document document = materials_.document_for(file->string());
     Places unused;  // the scene's own places count
     document.places = &unused;
     const toml::table table = schema::parse_toml(read_text_file(*file), document.file);
@@ -121,68 +99,10 @@ class SceneAssembly {
     });
   }
 
-  /// Index of a material, read when it is first named: from its file, then from the scene's own table of that
-  /// name.
-  Index material(const std::string& name, const Place& place) {
-    for (std::size_t i = 0; i < scene_.materials.size(); ++i)
-      if (scene_.materials[i].name == name) return static_cast<Index>(i);
-    const auto index = scene_.materials.size();
-    scene_.materials.emplace_back().name = name;  // now, since materials may name each other
-    Material material;
-    material.name = name;
-    const toml::table* own = toml_[materials_key][name].as_table();
-    const bool complete = own != nullptr && own->contains(origin_key);
-    const auto file = complete ? std::nullopt : folders_.find("materials", name);
-    if (!file && own == nullptr) fail_unknown_file("materials", name, place);
-    if (file) read_material_file(*file, name, material);
-    if (own != nullptr) read_own_material(*own, name, !file.has_value(), material);
-    if (material.name != name)
-      places_.fail(path_of_material(name) + ".material.name",
-                   fmt::format("must be \"{}\", as the file or table is called", name));
-    complete_material(material, static_cast<Index>(index), path_of_material(name), places_);
-    scene_.materials[index] = std::move(material);
-    return static_cast<Index>(index);
-  }
-
-  void read_material_file(const std::filesystem::path& file, const std::string& name, Material& material) {
-    Document document = document_for(file.string());
-    const toml::table table = schema::parse_toml(read_text_file(file), document.file);
-    material.file = document.file;
-    TomlReader::read(document, table, "", path_of_material(name), true,
-                     [&material](KeyVisitor& keys) { schema::describe_material(keys, material); });
-  }
-
-  void read_own_material(const toml::table& own, const std::string& name, bool complete, Material& material) {
-    Document document = document_for(scene_.file);
-    document.overridden = document_.overridden;
-    if (material.file.empty()) material.file = scene_.file;
-    TomlReader::read(document, own, path_of_material(name), path_of_material(name), complete,
-                     [&material](KeyVisitor& keys) {
-                       keys.text({origin_key, ""}, material.file);
-                       schema::describe_material(keys, material);
-                     });
-  }
-
-  /// Tables [materials.NAME] that no layer came to are checked all the same.
-  void read_unused_materials() {
-    const toml::node* node = toml_.get(materials_key);
-    if (node == nullptr) return;
-    const std::string key(materials_key);
-    if (!node->is_table())
-      throw_bad_key(document_.where(node, key), key, schema::value_text(*node),
-                    "tables [materials.NAME] are needed");
-    for (const auto& [name, table] : *node->as_table()) {
-      const std::string path = path_of_material(std::string(name.str()));
-      if (!table.is_table())
-        throw_bad_key(document_.where(&table, path), path, schema::value_text(table), "a table is needed");
-      (void)material(std::string(name.str()), {document_.where(&table, path), path, ""});
-    }
-  }
-
   Scene scene_;
   Places places_;
-  InputFolders folders_;
   toml::table toml_;
+  MaterialReader materials_;
   Document document_;
 };
 

@@ -93,6 +93,14 @@ std::vector<Row> material_rows() {
   return rows;
 }
 
+std::vector<Row> point_rows() {
+  std::vector<Row> rows;
+  PointTest test;
+  ReferenceVisitor visitor(rows, "");
+  describe_point_test(visitor, test);
+  return rows;
+}
+
 std::string table_of(const std::vector<Row>& rows) {
   std::string text = "| key | unit | default | range | meaning |\n|---|---|---|---|---|\n";
   for (const Row& row : rows)
@@ -126,7 +134,9 @@ std::string scene_reference() {
          "\n## Turf design (`turfs/NAME.toml`)\n\nA table `[carpet]` with the keys of `turf.carpet` "
          "above.\n" +
          "\n## Material (`materials/NAME.toml`, or a table `[materials.NAME]` in the scene)\n\n" +
-         schema::table_of(schema::material_rows());
+         schema::table_of(schema::material_rows()) +
+         "\n## Test of a material point (`tuft point`)\n\nMaterials as in a scene.\n\n" +
+         schema::table_of(schema::point_rows());
 }
 
 }  // namespace tuft

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/point_test.h"
 #include "core/scene.h"
 
 namespace tuft::schema {
@@ -109,6 +110,17 @@ class KeyVisitor {
     if (!value) value.emplace();
     table(key, [&](KeyVisitor& inside) { visit(inside, *value); });
   }
+  void optional_quantity(const Key& key, std::optional<double>& value, std::string_view unit,
+                         const Range& range) {
+    if (!wants(key, value.has_value())) return;
+    if (!value) value = 0;
+    quantity(key, *value, unit, range);
+  }
+  void optional_number(const Key& key, std::optional<double>& value, const Range& range) {
+    if (!wants(key, value.has_value())) return;
+    if (!value) value = 0;
+    number(key, *value, range);
+  }
   template <class T>
   void list(const Key& key, std::vector<T>& values, const std::function<void(KeyVisitor&, T&)>& visit) {
     items(
@@ -128,6 +140,8 @@ void describe_rig(KeyVisitor& keys, Rig& rig);
 void describe_effects(KeyVisitor& keys, Effects& effects);
 void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled);
 void describe_output(KeyVisitor& keys, Output& output);
+/// Everything of a point test but its materials.
+void describe_point_test(KeyVisitor& keys, PointTest& test);
 
 /// Every key of a scene, in full ("infill.sph.pitch"; an item of a list as "turf.layers[].depth").
 [[nodiscard]] std::vector<std::string> known_keys();

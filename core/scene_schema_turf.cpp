@@ -11,8 +11,9 @@ void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
   keys.quantity(required("young_modulus", "Young's modulus"), material.young_modulus, "Pa", positive);
   keys.number(required("poisson_ratio", "Poisson's ratio"), material.poisson_ratio, {0, 0.5, false, true});
   keys.quantity(required("density", "density of the solid"), material.density, "kg/m^3", positive);
-  keys.number({"failure_strain", "largest principal strain (logarithmic) at which a shell fails; 0: none does"},
-              material.failure_strain, non_negative);
+  keys.number(
+      {"failure_strain", "largest principal strain (logarithmic) at which a shell fails; 0: none does"},
+      material.failure_strain, non_negative);
   keys.list<PronyTerm>(
       {"relaxation", "viscoelastic: parts of the instantaneous shear modulus that relax"},
       material.relaxation, [](KeyVisitor& inside, PronyTerm& term) {
@@ -40,21 +41,92 @@ void describe_shell_section(KeyVisitor& keys, ShellSection& section) {
               section.hourglass_coefficient, {0, 1, false, false});
 }
 
+constexpr double right_angle = 1.5707963267948966;
+
+/// Tables that stand in place of other keys, and those of effects: there or not.
+void describe_continuum_options(KeyVisitor& keys, SoilFoamMaterial& material) {
+  keys.optional_table<ExponentialCompression>(
+      {"pressure_exponential",
+       "virgin compression (modulus/growth) (exp(growth e) - 1), in place of pressure"},
+      material.pressure_exponential, [](KeyVisitor& inside, ExponentialCompression& law) {
+        inside.quantity(required("modulus", "bulk modulus of first loading at no pressure"), law.modulus,
+                        "Pa", positive);
+        inside.number(required("growth", "growth of that modulus with pressure"), law.growth, positive);
+      });
+  keys.optional_table<MohrCoulombStrength>(
+      {"mohr_coulomb",
+       "yield surface by cohesion and friction angle, in place of yield_a0, yield_a1, yield_a2"},
+      material.mohr_coulomb, [](KeyVisitor& inside, MohrCoulombStrength& law) {
+        static constexpr std::string_view matches[] = {"pure_shear", "plane_strain", "triaxial_compression"};
+        inside.quantity(required("cohesion", "shear strength under no stress"), law.cohesion, "Pa",
+                        non_negative);
+        inside.quantity(required("friction_angle", "phi"), law.friction_angle, "rad",
+                        {0, right_angle, false, true});
+        inside.enumeration(
+            {"match",
+             "where sqrt(J2) = k + alpha p agrees: alpha = tan(phi), 3 tan/sqrt(9 + 12 tan^2), or "
+             "6 sin/(sqrt(3) (3 - sin))"},
+            law.match, matches);
+      });
+  keys.optional_table<DensityHardening>(
+      {"density_hardening",
+       "effect density_hardening: powers of the largest density so far over the density"},
+      material.density_hardening, [](KeyVisitor& inside, DensityHardening& law) {
+        inside.number({"modulus_exponent", "of unloading and shear modulus"}, law.modulus_exponent,
+                      non_negative);
+        inside.number({"cohesion_exponent", "of the cohesion sqrt(a0)"}, law.cohesion_exponent, non_negative);
+        inside.number({"friction_exponent", "of the slope sqrt(a2)"}, law.friction_exponent, non_negative);
+      });
+  keys.optional_table<StrengthSoftening>(
+      {"strength_softening", "effect strength_softening: strength lost as exp(-plastic shear strain/strain)"},
+      material.strength_softening, [](KeyVisitor& inside, StrengthSoftening& law) {
+        inside.number(required("strain", "plastic shear strain in which 63 % of what can be lost is lost"),
+                      law.strain, positive);
+        inside.number({"residual_cohesion", "share of the cohesion that stays"}, law.residual_cohesion,
+                      {0, 1, false, false});
+        inside.number({"residual_friction", "share of the slope sqrt(a2) that stays"}, law.residual_friction,
+                      share);
+      });
+  keys.optional_table<StrengthRecovery>(
+      {"strength_recovery", "effect strength_recovery: how lost strength comes back"},
+      material.strength_recovery, [](KeyVisitor& inside, StrengthRecovery& law) {
+        inside.quantity({"time", "in which 63 % come back; 0: not with time"}, law.time, "s", non_negative);
+        inside.number({"compression", "volumetric strain in which 63 % come back; 0: not with compression"},
+                      law.compression, non_negative);
+      });
+  keys.optional_table<StrengthRate>(
+      {"strength_rate", "effect strength_rate: strength times 1 + coefficient ln(1 + rate/reference)"},
+      material.strength_rate, [](KeyVisitor& inside, StrengthRate& law) {
+        inside.number(required("coefficient", "growth of strength"), law.coefficient, positive);
+        inside.quantity(required("reference", "shear strain rate from which on strength grows"),
+                        law.reference, "Hz", positive);
+      });
+}
+
 void describe_continuum(KeyVisitor& keys, SoilFoamMaterial& material) {
   keys.quantity({"density", "bulk density in the reference state; left out: material.bulk_density"},
                 material.density, "kg/m^3", non_negative);
-  keys.curve(
-      required("pressure", "virgin compression: pressure against compressive volumetric strain ln(rho/rho0)"),
-      material.pressure, {"strain", "", "values", "Pa", non_negative});
-  keys.curve(required("unloading", "bulk modulus for unloading and reloading against pressure"),
+  keys.curve({"pressure",
+              "virgin compression: pressure against compressive volumetric strain ln(rho/rho0); or "
+              "pressure_exponential"},
+             material.pressure, {"strain", "", "values", "Pa", non_negative});
+  keys.curve({"unloading", "bulk modulus for unloading and reloading against pressure; or unloading_ratio"},
              material.unloading, {"pressure", "Pa", "modulus", "Pa", positive});
+  keys.number(
+      {"unloading_ratio",
+       "that modulus over the slope of first loading at the same pressure, at least 1; 0: by unloading"},
+      material.unloading_ratio, non_negative);
   keys.number({"shear_ratio", "shear modulus over unloading bulk modulus"}, material.shear_ratio, positive);
-  keys.quantity({"yield_a0", "yield surface J2 <= a0 + a1 p + a2 p^2"}, material.yield_a0, "Pa^2",
-                non_negative);
+  keys.quantity({"yield_a0", "yield surface J2 <= a0 + a1 p + a2 p^2; or mohr_coulomb"}, material.yield_a0,
+                "Pa^2", non_negative);
   keys.quantity({"yield_a1", "see yield_a0"}, material.yield_a1, "Pa", non_negative);
   keys.number({"yield_a2", "see yield_a0"}, material.yield_a2, non_negative);
   keys.quantity({"tension_cutoff", "largest tension, above which pressure and shear are let go"},
                 material.tension_cutoff, "Pa", non_negative);
+  keys.quantity(
+      {"dilation_angle", "effect dilation: its tangent is plastic expansion over plastic shear strain"},
+      material.dilation_angle, "rad", {0, right_angle, false, true});
+  describe_continuum_options(keys, material);
 }
 
 void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {

@@ -71,6 +71,7 @@ class TomlWriter final : public KeyVisitor {
     line(key, fmt::format("[{}]", list));
   }
   void curve(const Key& key, Curve& curve, const CurveAxes& axes) override {
+    if (curve.x.empty()) return;  // another key stands in its place
     line(key, fmt::format("{{ unit = \"{}\", {} = {}, {} = {} }}", axes.y_unit, axes.x_name,
                           list_text(curve.x), axes.y_name, list_text(curve.y)));
   }
@@ -121,6 +122,18 @@ class TomlWriter final : public KeyVisitor {
   const std::vector<Material>& known_;
 };
 
+/// All materials, each in a table of its own.
+void write_materials(TomlWriter& writer, std::vector<Material>& materials) {
+  writer.table({materials_key, ""}, [&materials](KeyVisitor& keys) {
+    for (Material& material : materials) {
+      keys.table({material.name, ""}, [&material](KeyVisitor& inside) {
+        inside.text({origin_key, ""}, material.file);
+        schema::describe_material(inside, material);
+      });
+    }
+  });
+}
+
 }  // namespace
 
 std::string write_scene(const Scene& scene) {
@@ -132,14 +145,19 @@ std::string write_scene(const Scene& scene) {
     keys.text({origin_key, ""}, copy.turf.design);
     schema::describe_carpet(keys, carpet);
   });
-  writer.table({materials_key, ""}, [&copy](KeyVisitor& keys) {
-    for (Material& material : copy.materials) {
-      keys.table({material.name, ""}, [&material](KeyVisitor& inside) {
-        inside.text({origin_key, ""}, material.file);
-        schema::describe_material(inside, material);
-      });
-    }
-  });
+  write_materials(writer, copy.materials);
+  return text;
+}
+
+std::string write_point_test(const PointTest& test) {
+  PointTest copy = test;
+  std::string text =
+      "# A test of a material point as resolved: every default written out, nothing read from other files. "
+      "SI "
+      "units.\n";
+  TomlWriter writer(text, "", copy.materials);
+  schema::describe_point_test(writer, copy);
+  write_materials(writer, copy.materials);
   return text;
 }
 

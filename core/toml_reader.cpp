@@ -80,7 +80,8 @@ void TomlReader::refuse_unknown_keys() const {
     if (std::find(known_.begin(), known_.end(), given) != known_.end()) continue;
     const std::string key = shown(given);
     // A key of the language all the same, but of other rigs.
-    for (const std::string& full : known_keys())
+    const std::vector<std::string> of_scenes = document_.of_scene ? known_keys() : std::vector<std::string>{};
+    for (const std::string& full : of_scenes)
       if (full == key || full.starts_with(key + ".") || full.starts_with(key + "[]."))
         throw_bad_key(document_.where(&node, key), key,
                       node.is_table() || node.is_array_of_tables() ? "" : value_text(node),
@@ -88,7 +89,7 @@ void TomlReader::refuse_unknown_keys() const {
     std::string hint = suggestion(given, known_);
     if (hint.empty()) {
       // Right key, wrong table?
-      for (const std::string& full : known_keys())
+      for (const std::string& full : of_scenes)
         if (full.ends_with(fmt::format(".{}", given))) hint = fmt::format("; did you mean {}?", full);
     }
     if (hint.empty() && !known_.empty()) hint = fmt::format("; known here: {}", fmt::join(known_, ", "));

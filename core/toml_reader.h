@@ -19,6 +19,7 @@ struct Document {
   std::string file;                     ///< for messages
   Places* places = nullptr;             ///< every key read is noted here
   std::vector<std::string> overridden;  ///< keys that --set gave
+  bool of_scene = true;  ///< keys of scenes that do not belong here are told from mistyped ones
   /// Index of a material by name, reading its file when need be; `place` is for messages.
   std::function<Index(const std::string& name, const Place& place)> find_material;
   std::vector<std::string> missing;  ///< messages; raised after all keys were seen, so that a mistyped key is

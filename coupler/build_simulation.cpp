@@ -19,12 +19,18 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
 }
 
+sph::SoilEffects soil_effects(const std::vector<EffectDecision>& effects) {
+  return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
+          effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
+          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
+}
+
 std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects) {
   const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
   const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
                                   effect_on(effects, "tension_cutoff"),
-                                  effect_on(effects, "zero_energy_control")};
+                                  effect_on(effects, "zero_energy_control"), soil_effects(effects)};
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 
@@ -54,9 +60,10 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[particles.material[i]];
     const double radius = particles.radius[i];
-    result.stiffness.push_back(scene.infill.approach == Approach::sph
-                                   ? sph_contact_stiffness(material, scene.numerics, radius)
-                                   : dem_contact_stiffness(material, radius));
+    result.stiffness.push_back(
+        scene.infill.approach == Approach::sph
+            ? sph_contact_stiffness(material, scene.numerics, radius, soil_effects(effects))
+            : dem_contact_stiffness(material, radius));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -78,10 +85,12 @@ double smallest(std::span<const double> values) {
 
 }  // namespace
 
-double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius) {
-  const double modulus = material.contact_modulus > 0
-                             ? material.contact_modulus
-                             : sph::constrained_modulus(*material.continuum, numerics.contact_pressure);
+double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius,
+                             const sph::SoilEffects& effects) {
+  const double modulus =
+      material.contact_modulus > 0
+          ? material.contact_modulus
+          : sph::constrained_modulus(*material.continuum, numerics.contact_pressure, effects);
   return numerics.contact_stiffness_factor * modulus * 2 * radius;
 }
 

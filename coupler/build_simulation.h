@@ -9,6 +9,7 @@
 #include "core/scene.h"
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
+#include "sph_infill/soil_effects.h"
 
 namespace tuft::coupler {
 
@@ -46,7 +47,8 @@ struct BuiltSimulation {
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;
 /// DEM: E/(1 - nu^2) x radius, the secant of a Hertz contact pressed in by about half a radius.
-[[nodiscard]] double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius);
+[[nodiscard]] double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius,
+                                           const sph::SoilEffects& effects = {});
 [[nodiscard]] double dem_contact_stiffness(const Material& material, double radius);
 
 /// Five fixed half-spaces: floor at z = 0 and four walls around a patch centred on the origin.

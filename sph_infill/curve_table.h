@@ -18,6 +18,7 @@ namespace tuft::sph {
 template <class Real>
 struct CurvePieceOf {
   Real x0 = 0, y0 = 0, slope = 0, rate = 0;
+  Real area0 = 0;  ///< integral of the curve from 0 to x0; CurveTable's to set
 
   [[nodiscard]] Real value(const Real& x) const {
     using std::expm1;
@@ -31,6 +32,17 @@ struct CurvePieceOf {
     const Real d = (y - y0) / slope, grown = rate * d;
     const auto straight = grown == Real(0);
     return x0 + d * select(straight, Real(1), log1p(grown) / select(straight, Real(1), grown));
+  }
+  /// Integral of the curve from 0 to x.
+  [[nodiscard]] Real area(const Real& x) const {
+    using std::expm1;
+    const Real d = x - x0, grown = rate * d;
+    // (exp(g) - 1 - g)/g^2 by its series where the difference would lose its digits.
+    const auto small = grown < Real(1e-3) && grown > Real(-1e-3);
+    const Real series =
+        Real(0.5) + grown * (Real(1.0 / 6) + grown * (Real(1.0 / 24) + grown * Real(1.0 / 120)));
+    const Real held = select(small, Real(1), grown);
+    return area0 + d * (y0 + slope * d * select(small, series, (expm1(grown) - grown) / (held * held)));
   }
 };
 using CurvePiece = CurvePieceOf<double>;
@@ -54,6 +66,9 @@ class CurveTable {
     for (std::size_t b = 0; span > 0 && b <= bin_count; ++b)
       first_piece_[b] =
           static_cast<Index>(search_argument(first_start_ + (static_cast<double>(b) - 0.5) / bins_per_x_));
+    for (std::size_t k = 1; k < pieces_.size(); ++k) pieces_[k].area0 = pieces_[k - 1].area(pieces_[k].x0);
+    const double area_at_zero = piece(0).area(0);
+    for (CurvePiece& each : pieces_) each.area0 -= area_at_zero;
   }
 
   /// The piece that serves x.

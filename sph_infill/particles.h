@@ -67,6 +67,7 @@ struct Particles {
   std::vector<double> compression, largest_compression, plastic_compression;
   std::vector<double> pressure, bulk_modulus;   ///< Pa
   std::array<std::vector<double>, 6> deviator;  ///< Pa; xx yy zz xy yz zx
+  std::vector<double> lost_strength;            ///< [0, 1]; empty without effect strength_softening
 
   /// m^3. By the last stress evaluation; gradients weigh neighbours by that of the one before, see
   /// MotionRecord.
@@ -110,7 +111,8 @@ struct Particles {
             plastic_compression[i],
             pressure[i],
             bulk_modulus[i],
-            {deviator[0][i], deviator[1][i], deviator[2][i], deviator[3][i], deviator[4][i], deviator[5][i]}};
+            {deviator[0][i], deviator[1][i], deviator[2][i], deviator[3][i], deviator[4][i], deviator[5][i]},
+            lost_strength.empty() ? 0 : lost_strength[i]};
   }
   void set_soil_state(std::size_t i, const SoilState& s) {
     compression[i] = s.compression;
@@ -121,6 +123,7 @@ struct Particles {
     const SymmetricTensor& d = s.deviator;
     deviator[0][i] = d.xx, deviator[1][i] = d.yy, deviator[2][i] = d.zz;
     deviator[3][i] = d.xy, deviator[4][i] = d.yz, deviator[5][i] = d.zx;
+    if (!lost_strength.empty()) lost_strength[i] = s.lost_strength;
   }
 };
 

@@ -1,6 +1,7 @@
 #include "sph_infill/soil_law.h"
 
 #include <limits>
+#include <numbers>
 #include <string_view>
 
 #include "core/error.h"
@@ -24,6 +25,18 @@ void check_curve(const Curve& curve, std::string_view name, std::size_t least_po
   }
 }
 
+void check_parameter(double value, std::string_view name, double least, bool may_equal) {
+  if (!std::isfinite(value) || value < least || (!may_equal && value == least))
+    throw_input_error("{} is {}; it must be finite and {} {}", name, value, may_equal ? "at least" : "above",
+                      least);
+}
+
+void check_share(double value, std::string_view name, bool may_be_zero) {
+  if (!(value <= 1 && (may_be_zero ? value >= 0 : value > 0)))
+    throw_input_error("{} is {}; it must be {} 0 and at most 1", name, value,
+                      may_be_zero ? "at least" : "above");
+}
+
 /// A modulus that is linear in pressure from `start` on.
 struct LinearModulus {
   double start, value, rate;
@@ -31,7 +44,7 @@ struct LinearModulus {
 };
 
 /// The virgin curve in pieces, its continuation included.
-std::vector<CurvePiece> virgin_pieces(const Curve& curve) {
+std::vector<CurvePiece> tabulated_pieces(const Curve& curve) {
   check_curve(curve, "pressure", 2);
   if (curve.x[0] != 0 || curve.y[0] != 0)
     throw_input_error("pressure curve starts at ({}, {}); start it at (0, 0), the reference density",
@@ -60,6 +73,16 @@ std::vector<CurvePiece> virgin_pieces(const Curve& curve) {
   return pieces;
 }
 
+std::vector<CurvePiece> virgin_pieces(const SoilFoamMaterial& material) {
+  if (!material.pressure_exponential) return tabulated_pieces(material.pressure);
+  const ExponentialCompression& law = *material.pressure_exponential;
+  if (!material.pressure.x.empty())
+    throw_input_error("first loading is given by a pressure curve and by pressure_exponential; give one");
+  check_parameter(law.modulus, "pressure_exponential.modulus", 0, false);
+  check_parameter(law.growth, "pressure_exponential.growth", 0, false);
+  return {{0, 0, law.modulus, law.growth}};
+}
+
 /// The unloading modulus as given, for p >= start, up to the next of its points.
 LinearModulus unloading_modulus(const Curve& curve, double start) {
   const std::size_t n = curve.x.size();
@@ -81,8 +104,17 @@ LinearModulus virgin_modulus(const std::vector<CurvePiece>& virgin, double start
 }
 
 /// p = U(elastic strain): dp/de = max(unloading modulus, virgin slope), both piecewise linear in p.
-std::vector<CurvePiece> elastic_pieces(const Curve& unloading, const std::vector<CurvePiece>& virgin) {
-  check_curve(unloading, "unloading", 1);
+std::vector<CurvePiece> elastic_pieces(const SoilFoamMaterial& material,
+                                       const std::vector<CurvePiece>& virgin) {
+  const Curve& unloading = material.unloading;
+  const double ratio = material.unloading_ratio;
+  if (ratio == 0) {
+    check_curve(unloading, "unloading", 1);
+  } else {
+    if (!unloading.x.empty())
+      throw_input_error("unloading is given by a curve and by unloading_ratio; give one");
+    check_parameter(ratio, "unloading_ratio", 1, true);
+  }
   for (std::size_t k = 0; k < unloading.y.size(); ++k)
     if (unloading.y[k] <= 0)
       throw_input_error("unloading curve, point {}: modulus {} Pa is not positive", k + 1, unloading.y[k]);
@@ -105,7 +137,9 @@ std::vector<CurvePiece> elastic_pieces(const Curve& unloading, const std::vector
   };
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const double start = starts[k], end = k + 1 < starts.size() ? starts[k + 1] : infinity;
-    const LinearModulus a = unloading_modulus(unloading, start), b = virgin_modulus(virgin, start);
+    const LinearModulus b = virgin_modulus(virgin, start),
+                        a = ratio > 0 ? LinearModulus{start, ratio * b.value, ratio * b.rate}
+                                      : unloading_modulus(unloading, start);
     const double crossing = a.rate == b.rate ? infinity : start + (b.value - a.value) / (a.rate - b.rate);
     if (crossing > start * (1 + 1e-12) && crossing < end) {
       add(start, crossing, a, b);
@@ -121,15 +155,73 @@ std::vector<CurvePiece> elastic_pieces(const Curve& unloading, const std::vector
   return pieces;
 }
 
-void check_parameter(double value, std::string_view name, double least, bool may_equal) {
-  if (!std::isfinite(value) || value < least || (!may_equal && value == least))
-    throw_input_error("{} is {}; it must be finite and {} {}", name, value, may_equal ? "at least" : "above",
-                      least);
+/// The parameters of the effects that are on; those of the others keep their neutral values.
+void set_effects(const SoilFoamMaterial& material, const SoilEffects& on, SoilLaw& law) {
+  law.effects = on;
+  if (on.density_hardening && material.density_hardening) {
+    const DensityHardening& given = *material.density_hardening;
+    check_parameter(given.modulus_exponent, "density_hardening.modulus_exponent", 0, true);
+    check_parameter(given.cohesion_exponent, "density_hardening.cohesion_exponent", 0, true);
+    check_parameter(given.friction_exponent, "density_hardening.friction_exponent", 0, true);
+    law.modulus_exponent = given.modulus_exponent;
+    law.cohesion_exponent = given.cohesion_exponent;
+    law.friction_exponent = given.friction_exponent;
+  }
+  if (on.strength_softening && material.strength_softening) {
+    const StrengthSoftening& given = *material.strength_softening;
+    check_parameter(given.strain, "strength_softening.strain", 0, false);
+    check_share(given.residual_cohesion, "strength_softening.residual_cohesion", true);
+    check_share(given.residual_friction, "strength_softening.residual_friction", false);
+    law.softening = 1 / given.strain;
+    law.lost_cohesion = 1 - given.residual_cohesion;
+    law.lost_friction = 1 - given.residual_friction;
+  }
+  if (on.strength_recovery && material.strength_recovery) {
+    const StrengthRecovery& given = *material.strength_recovery;
+    check_parameter(given.time, "strength_recovery.time", 0, true);
+    check_parameter(given.compression, "strength_recovery.compression", 0, true);
+    law.recovery_rate = given.time > 0 ? 1 / given.time : 0;
+    law.recovery_by_compression = given.compression > 0 ? 1 / given.compression : 0;
+  }
+  if (on.strength_rate && material.strength_rate) {
+    check_parameter(material.strength_rate->coefficient, "strength_rate.coefficient", 0, false);
+    check_parameter(material.strength_rate->reference, "strength_rate.reference", 0, false);
+    law.rate_coefficient = material.strength_rate->coefficient;
+    law.rate_period = 1 / material.strength_rate->reference;
+  }
+  if (on.dilation) {
+    check_parameter(material.dilation_angle, "dilation_angle", 0, true);
+    law.dilatancy = std::tan(material.dilation_angle);
+    // Against more than friction, expansion under pressure would take out more than shear puts in.
+    const double least_friction = std::sqrt(law.yield_a2) * (1 - law.lost_friction);
+    if (!(law.dilatancy <= least_friction))
+      throw_input_error(
+          "dilation_angle is {:.4g} rad, its tangent {:.4g}; it must be at most the least slope of the yield "
+          "surface, sqrt(a2) = {:.4g}{}",
+          material.dilation_angle, law.dilatancy, least_friction,
+          law.lost_friction > 0 ? " with strength_softening.residual_friction" : "");
+  }
 }
 
 }  // namespace
 
-SoilLaw make_soil_law(const SoilFoamMaterial& material, bool tension_cutoff) {
+std::array<double, 3> yield_of(const MohrCoulombStrength& strength) {
+  check_parameter(strength.cohesion, "mohr_coulomb.cohesion", 0, true);
+  if (!(strength.friction_angle >= 0 && strength.friction_angle < 0.5 * std::numbers::pi))
+    throw_input_error("mohr_coulomb.friction_angle is {} rad; it must be at least 0 and below pi/2",
+                      strength.friction_angle);
+  const double sine = std::sin(strength.friction_angle), cosine = std::cos(strength.friction_angle),
+               tangent = std::tan(strength.friction_angle);
+  // sqrt(J2) = k + alpha p with alpha = slope tan(phi) and k = slope c.
+  double slope = 1;
+  if (strength.match == ConeMatch::plane_strain) slope = 3 / std::sqrt(9 + 12 * tangent * tangent);
+  if (strength.match == ConeMatch::triaxial_compression)
+    slope = 6 * cosine / (std::numbers::sqrt3 * (3 - sine));
+  const double k = slope * strength.cohesion, alpha = slope * tangent;
+  return {k * k, 2 * k * alpha, alpha * alpha};
+}
+
+SoilLaw make_soil_law(const SoilFoamMaterial& material, bool tension_cutoff, const SoilEffects& effects) {
   check_parameter(material.density, "density", 0, false);
   check_parameter(material.shear_ratio, "shear_ratio", 0, false);
   check_parameter(material.yield_a0, "yield_a0", 0, true);
@@ -138,17 +230,24 @@ SoilLaw make_soil_law(const SoilFoamMaterial& material, bool tension_cutoff) {
   check_parameter(material.tension_cutoff, "tension_cutoff", 0, true);
 
   SoilLaw law;
-  const auto virgin = virgin_pieces(material.pressure);
+  const auto virgin = virgin_pieces(material);
   law.virgin = CurveTable(virgin);
-  law.elastic = CurveTable(elastic_pieces(material.unloading, virgin));
+  law.elastic = CurveTable(elastic_pieces(material, virgin));
   law.density = material.density;
   law.shear_ratio = material.shear_ratio;
   law.yield_a0 = material.yield_a0;
   law.yield_a1 = material.yield_a1;
   law.yield_a2 = material.yield_a2;
+  if (material.mohr_coulomb) {
+    if (law.yield_a0 > 0 || law.yield_a1 > 0 || law.yield_a2 > 0)
+      throw_input_error("strength is given by mohr_coulomb and by yield_a0, yield_a1, yield_a2; give one");
+    const auto [a0, a1, a2] = yield_of(*material.mohr_coulomb);
+    law.yield_a0 = a0, law.yield_a1 = a1, law.yield_a2 = a2;
+  }
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  law.yield_vertex = material.yield_a2 > 0 ? -material.yield_a1 / (2 * material.yield_a2) : -infinity;
+  law.yield_vertex = law.yield_a2 > 0 ? -law.yield_a1 / (2 * law.yield_a2) : -infinity;
   law.tension_cutoff = tension_cutoff ? material.tension_cutoff : infinity;
+  set_effects(material, effects, law);
   return law;
 }
 
@@ -169,13 +268,63 @@ StrainStep strain_step(const Mat3& l, double dt) {
 }
 
 SoilWork update_soil(const SoilLaw& law, const StrainStep& step, SoilState& state) {
-  return update_soil_state(LawOfPoint(law), step, state);
+  SoilWork work;
+  with_soil_effects(law.effects, [&](auto effects) {
+    work = update_soil_state<decltype(effects)::value>(LawOfPoint(law), step, state);
+  });
+  return work;
 }
 
-double constrained_modulus(const SoilFoamMaterial& material, double pressure) {
-  const SoilLaw law = make_soil_law(material);
+SoilState compacted_state(const SoilLaw& law, double residual) {
+  if (!(residual >= 0) || !std::isfinite(residual))
+    throw_input_error("residual compression is {}; it must be at least 0", residual);
+  const auto left_by = [&law](double largest) {
+    const double hardness = std::exp(law.modulus_exponent * largest);
+    return largest - law.elastic.argument(law.virgin(largest).value) / hardness;
+  };
+  constexpr double densest = 5;  // over the reference density
+  double low = residual, high = std::log(densest);
+  if (residual > 0 && left_by(high) < residual)
+    throw_input_error(
+        "no compression up to {:.3g} leaves {:.4g} behind when it is released, only {:.4g}; raise the "
+        "unloading "
+        "modulus or density_hardening.modulus_exponent",
+        high, residual, left_by(high));
+  // What is left rises with the largest compression: bisect.
+  for (int k = 0; residual > 0 && k < 200 && high - low > 1e-15 * high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (left_by(middle) < residual ? low : high) = middle;
+  }
+  SoilState state;
+  state.largest_compression = residual > 0 ? high : 0;
+  state.plastic_compression = state.compression = residual;
+  state.bulk_modulus = std::exp(law.modulus_exponent * state.largest_compression) * law.elastic(0).derivative;
+  return state;
+}
+
+double yield_limit(const SoilLaw& law, const SoilState& state, double pressure, double shear_rate) {
+  // Those that are off have neutral parameters.
+  constexpr SoilEffects all{true, true, true, true, true, true};
+  const StrainStep step{{}, {}, 1};
+  const SymmetricTensor shear{0, 0, 0, 0.5 * shear_rate, 0, 0};
+  return yield_surface_of(LawOfPoint(law), strength_factors<all>(LawOfPoint(law), step, shear, state))
+      .limit(pressure);
+}
+
+double stored_energy(const SoilLaw& law, const SoilState& state) {
+  const double hardness = std::exp(law.modulus_exponent * state.largest_compression);
+  const double strain = law.elastic.argument(state.pressure);
+  // Behind the cutoff the gap opens and closes under a constant pressure.
+  const double gap = hardness * (state.compression - state.plastic_compression) - strain;
+  return (law.elastic.piece(strain).area(strain) + state.pressure * gap) / hardness +
+         0.25 * double_dot(state.deviator, state.deviator) / (law.shear_ratio * state.bulk_modulus);
+}
+
+double constrained_modulus(const SoilFoamMaterial& material, double pressure, const SoilEffects& effects) {
+  const SoilLaw law = make_soil_law(material, true, effects);
   const double modulus = law.elastic(law.elastic.argument(pressure)).derivative;
-  return modulus * (1 + 4.0 / 3.0 * material.shear_ratio);
+  const double hardness = std::exp(law.modulus_exponent * std::max(0.0, law.virgin.argument(pressure)));
+  return hardness * modulus * (1 + 4.0 / 3.0 * material.shear_ratio);
 }
 
 }  // namespace tuft::sph

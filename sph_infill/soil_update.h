@@ -47,7 +47,8 @@ class LawOfLanes {
     std::array<const CurvePiece*, lanes> piece;
     for (std::size_t l = 0; l < lanes; ++l) piece[l] = &piece_of_lane(l);
     return {Pack([&](auto l) { return piece[l]->x0; }), Pack([&](auto l) { return piece[l]->y0; }),
-            Pack([&](auto l) { return piece[l]->slope; }), Pack([&](auto l) { return piece[l]->rate; })};
+            Pack([&](auto l) { return piece[l]->slope; }), Pack([&](auto l) { return piece[l]->rate; }),
+            Pack([&](auto l) { return piece[l]->area0; })};
   }
 
   const std::array<const SoilLaw*, lanes>& law_;
@@ -60,6 +61,31 @@ template <class Real, class Law>
   const Real limit =
       law.value(&SoilLaw::yield_a0) + q * (law.value(&SoilLaw::yield_a1) + q * law.value(&SoilLaw::yield_a2));
   return select(limit < Real(0), Real(0), limit);
+}
+
+/// What multiplies cohesion sqrt(a0), slope sqrt(a2), and then both.
+template <class Real>
+struct StrengthFactorsOf {
+  Real cohesion, slope, both;
+};
+
+/// The yield surface under factors: J2 <= c0 + c1 p + c2 p^2 at pressures above the vertex.
+template <class Real>
+struct YieldSurfaceOf {
+  Real c0, c1, c2, vertex;
+
+  /// Largest J2 at pressure p, Pa^2, >= 0.
+  [[nodiscard]] Real limit(const Real& p) const {
+    const Real q = select(p < vertex, vertex, p), value = c0 + q * (c1 + q * c2);
+    return select(value < Real(0), Real(0), value);
+  }
+};
+
+template <class Real, class Law>
+[[nodiscard]] YieldSurfaceOf<Real> yield_surface_of(const Law& law, const StrengthFactorsOf<Real>& f) {
+  const Real c = f.both * f.cohesion, s = f.both * f.slope;
+  return {c * c * law.value(&SoilLaw::yield_a0), c * s * law.value(&SoilLaw::yield_a1),
+          s * s * law.value(&SoilLaw::yield_a2), law.value(&SoilLaw::yield_vertex) * f.cohesion / f.slope};
 }
 
 /// rotate() of soil_law.h.
@@ -101,7 +127,33 @@ template <class Real>
       f * (v.yx * c.xy + v.yy * c.yy + v.yz * c.zy), f * (v.yx * c.xz + v.yy * c.yz + v.yz * c.zz),
       f * (v.zx * c.xx + v.zy * c.yx + v.zz * c.zx), f * (v.zx * c.xy + v.zy * c.yy + v.zz * c.zy),
       f * (v.zx * c.xz + v.zy * c.yz + v.zz * c.zz)};
-  return {symmetric_part(l), {half * (l.zy - l.yz), half * (l.xz - l.zx), half * (l.yx - l.xy)}};
+  return {symmetric_part(l), {half * (l.zy - l.yz), half * (l.xz - l.zx), half * (l.yx - l.xy)}, dt};
+}
+
+/// Factor on the elastic moduli.
+template <SoilEffects on, class Real, class Law>
+[[nodiscard]] Real hardness_of(const Law& law, const Real& largest_compression) {
+  using std::exp;
+  if constexpr (on.density_hardening)
+    return exp(law.value(&SoilLaw::modulus_exponent) * largest_compression);
+  else
+    return Real(1);
+}
+
+/// x times y, where y is 1 and left out unless the effect is on.
+template <bool on, class Real>
+[[nodiscard]] Real times_if(const Real& x, const Real& y) {
+  if constexpr (on)
+    return x * y;
+  else
+    return x;
+}
+
+/// Pressure of first loading at compression e, but no tension: where dilation and first loading meet.
+template <class Real, class Law>
+[[nodiscard]] Real loosest_pressure(const Law& law, const Real& e) {
+  const Real p = law.virgin_piece(e).value(e);
+  return select(e > Real(0) && p > Real(0), p, Real(0));
 }
 
 template <class Real, class Mask>
@@ -112,65 +164,204 @@ struct PressureStep {
 
 /// Moves compression, pressure, modulus and the plastic compression on by one strain (positive in
 /// compression).
-template <class Real, class Law>
+template <SoilEffects on = SoilEffects{}, class Real, class Law>
 auto update_pressure(const Law& law, const Real& strain, SoilStateOf<Real>& state) {
+  constexpr bool hard = on.density_hardening;
   const Real before = state.compression, pressure_before = state.pressure,
              reached = state.largest_compression;
   state.compression = before + strain;
-  const auto first = state.compression > reached;
 
-  const Real elastic_part = state.compression - state.plastic_compression;
+  const Real hardness = hardness_of<on>(law, reached);
+  const Real elastic_part = times_if<hard>(state.compression - state.plastic_compression, hardness);
   const CurvePieceOf<Real> elastic = law.elastic_piece(elastic_part);
   const Real unbounded = elastic.value(elastic_part), lowest = -law.value(&SoilLaw::tension_cutoff);
+  const auto first = [&] {
+    if constexpr (on.dilation)
+      return state.compression > reached || unbounded > loosest_pressure(law, state.compression);
+    else
+      return state.compression > reached;
+  }();
   const auto torn = !first && unbounded < lowest;
   state.pressure = select(torn, lowest, unbounded);
-  state.bulk_modulus = elastic.derivative_at_value(unbounded);
+  state.bulk_modulus = times_if<hard>(elastic.derivative_at_value(unbounded), hardness);
 
   Real dissipated = 0;
   if (any(first)) {
-    const Real pressure = law.virgin_piece(state.compression).value(state.compression);
-    const Real yield_from =
-        select(before < reached, law.virgin_piece(reached).value(reached), pressure_before);
+    const auto rises = first && state.compression > reached;
+    const Real largest = select(rises, state.compression, reached);
+    const Real hardness_now = hardness_of<on>(law, largest);
+    Real pressure, yield_from;
+    if constexpr (on.dilation) {
+      pressure = loosest_pressure(law, state.compression);
+      yield_from = select(pressure_before < Real(0), Real(0), pressure_before);
+    } else {
+      pressure = law.virgin_piece(state.compression).value(state.compression);
+      yield_from = select(before < reached, law.virgin_piece(reached).value(reached), pressure_before);
+    }
     const CurvePieceOf<Real> piece = law.elastic_piece_of_value(pressure);
+    const Real elastic_now = piece.argument(pressure);
     // Grows by dP (1/P' - 1/K) >= 0; the maximum removes rounding.
-    const Real now = state.compression - piece.argument(pressure), old = state.plastic_compression;
+    Real now = state.compression;
+    if constexpr (hard)
+      now -= elastic_now / hardness_now;
+    else
+      now -= elastic_now;
+    const Real old = state.plastic_compression;
     const Real plastic = select(first && now > old, now, old);
     dissipated = Real(0.5) * (yield_from + pressure) * (plastic - old);  // 0 where nothing is new
+    if constexpr (hard) {
+      // At constant pressure the complementary energy u p - int U du goes as 1/m: the part of p de_p that m
+      // has made of it is not lost. At the step's mean pressure.
+      const Real middle = Real(0.5) * (yield_from + pressure);
+      const CurvePieceOf<Real> of_middle = law.elastic_piece_of_value(middle);
+      const Real strain_there = of_middle.argument(middle);
+      const Real complementary = strain_there * middle - of_middle.area(strain_there);
+      const Real net = dissipated - complementary * (Real(1) / hardness - Real(1) / hardness_now);
+      dissipated = select(first && net > Real(0), net, Real(0));
+    }
     state.plastic_compression = plastic;
     state.pressure = select(first, pressure, state.pressure);
-    state.bulk_modulus = select(first, piece.derivative_at_value(pressure), state.bulk_modulus);
-    state.largest_compression = select(first, state.compression, reached);
+    state.bulk_modulus =
+        select(first, times_if<hard>(piece.derivative_at_value(pressure), hardness_now), state.bulk_modulus);
+    state.largest_compression = largest;
   }
   return PressureStep<Real, std::decay_t<decltype(torn)>>{dissipated, torn};
 }
 
-/// Advances points by one step; see soil_law.h for the law.
-template <class Real, class Law>
+/// Strength at the state reached, under the losses before this step.
+template <SoilEffects on, class Real, class Law>
+[[nodiscard]] StrengthFactorsOf<Real> strength_factors(const Law& law, const StrainStepOf<Real>& step,
+                                                       const SymmetricTensorOf<Real>& strain_deviator,
+                                                       const SoilStateOf<Real>& state) {
+  using std::exp;
+  using std::log1p;
+  using std::sqrt;
+  StrengthFactorsOf<Real> f{Real(1), Real(1), Real(1)};
+  if constexpr (on.density_hardening) {
+    f.cohesion = exp(law.value(&SoilLaw::cohesion_exponent) * state.largest_compression);
+    f.slope = exp(law.value(&SoilLaw::friction_exponent) * state.largest_compression);
+  }
+  if constexpr (on.strength_softening) {
+    f.cohesion *= Real(1) - law.value(&SoilLaw::lost_cohesion) * state.lost_strength;
+    f.slope *= Real(1) - law.value(&SoilLaw::lost_friction) * state.lost_strength;
+  }
+  if constexpr (on.strength_rate) {
+    const Real per_time = step.duration > 0 ? 1 / step.duration : 0;
+    const Real rate = sqrt(Real(2) * double_dot(strain_deviator, strain_deviator)) * per_time;
+    f.both = Real(1) + law.value(&SoilLaw::rate_coefficient) * log1p(law.value(&SoilLaw::rate_period) * rate);
+  }
+  return f;
+}
+
+/// Opens a yielding point at fixed density: pressure rises along the unloading curve, up to that of first
+/// loading. Returns the energy that expanding against the pressure takes, J/m^3.
+///
+/// With sqrt(J2) - G x on the yield surface Y at the pressure after the plastic shear x. Newton's step
+/// overshoots, as Y(p(x)) is convex; the chord to it, taken then, does not: so expansion is never more than
+/// tan(psi) times the shear that the return takes out.
+template <SoilEffects on, class Real, class Law, class Mask>
+[[nodiscard]] Real dilate(const Law& law, const YieldSurfaceOf<Real>& surface, const Real& trial_root,
+                          const Real& shear_modulus, const Mask& yields, SoilStateOf<Real>& state) {
+  using std::sqrt;
+  constexpr bool hard = on.density_hardening;
+  const Real zero = 0, bound = loosest_pressure(law, state.compression), p = state.pressure;
+  const Real dilatancy = law.value(&SoilLaw::dilatancy);
+  const auto opens = yields && p < bound && dilatancy > zero;
+  if (!any(opens)) return zero;
+  const Real hardness = hardness_of<on>(law, state.largest_compression);
+  const auto pressure_after = [&](const Real& shear) {
+    const Real strain =
+        times_if<hard>(state.compression - state.plastic_compression + dilatancy * shear, hardness);
+    const Real reached = law.elastic_piece(strain).value(strain);
+    return select(reached > bound, bound, reached);
+  };
+  const Real root = sqrt(surface.limit(p)), excess = select(opens, trial_root - root, zero);
+  const Real slope = (surface.c1 + Real(2) * p * surface.c2) / select(root > zero, Real(2) * root, Real(1));
+  const Real newton =
+      excess / (shear_modulus + select(slope > zero, slope, zero) * dilatancy * state.bulk_modulus);
+  const Real chord =
+      (sqrt(surface.limit(pressure_after(newton))) - root) / select(newton > zero, newton, Real(1));
+  const Real shear = excess / (shear_modulus + select(chord > zero, chord, zero));
+  const Real after = select(opens, pressure_after(shear), p);
+  const CurvePieceOf<Real> piece = law.elastic_piece_of_value(after);
+  Real plastic = state.compression;
+  if constexpr (hard)
+    plastic -= piece.argument(after) / hardness;
+  else
+    plastic -= piece.argument(after);
+  const auto opened = opens && plastic < state.plastic_compression;
+  const Real work = select(opened, Real(0.5) * (p + after) * (state.plastic_compression - plastic), zero);
+  state.plastic_compression = select(opened, plastic, state.plastic_compression);
+  state.pressure = select(opened, after, p);
+  state.bulk_modulus =
+      select(opened, times_if<hard>(piece.derivative_at_value(after), hardness), state.bulk_modulus);
+  return work;
+}
+
+/// Strength that a step takes away and gives back.
+template <SoilEffects on, class Real, class Law, class Mask>
+void update_lost_strength(const Law& law, const Real& plastic_shear, const Real& strain, const Mask& torn,
+                          double duration, SoilStateOf<Real>& state) {
+  using std::exp;
+  const Real zero = 0;
+  const Real opening = select(torn && strain < zero, -strain, zero);
+  const Real kept = exp(-law.value(&SoilLaw::softening) * (plastic_shear + opening));
+  Real lost = Real(1) - (Real(1) - state.lost_strength) * kept;
+  if constexpr (on.strength_recovery)
+    lost *= exp(-(law.value(&SoilLaw::recovery_rate) * Real(duration) +
+                  law.value(&SoilLaw::recovery_by_compression) * select(strain > zero, strain, zero)));
+  state.lost_strength = lost;
+}
+
+/// Advances points by one step; see soil_law.h for the law and its effects.
+template <SoilEffects on = SoilEffects{}, class Real, class Law>
 SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& step, SoilStateOf<Real>& state) {
   using std::sqrt;
+  constexpr bool plain_yield = !on.density_hardening && !on.strength_softening && !on.strength_rate;
   const Real zero = 0, half = 0.5;
   const Real strain = -trace(step.strain);
   const SymmetricTensorOf<Real> strain_deviator = deviator(step.strain);
   const SymmetricTensorOf<Real> turned = rotated(state.deviator, step.rotation);
   const Real pressure_before = state.pressure, modulus_before = state.bulk_modulus;
 
-  const auto pressure_step = update_pressure(law, strain, state);
+  const auto pressure_step = update_pressure<on>(law, strain, state);
 
   const Real twice_shear_modulus = law.value(&SoilLaw::shear_ratio) * (modulus_before + state.bulk_modulus);
-  const SymmetricTensorOf<Real> trial = turned + twice_shear_modulus * strain_deviator;
+  SymmetricTensorOf<Real> carried = turned;
+  if constexpr (on.shear_energy)  // V J2/G kept; exp(strain) is the ratio of volumes, to third order
+    carried = sqrt(state.bulk_modulus * (Real(2) + strain) / (modulus_before * (Real(2) - strain))) * turned;
+  const SymmetricTensorOf<Real> trial = carried + twice_shear_modulus * strain_deviator;
   const Real j2 = half * double_dot(trial, trial);
-  const Real limit = select(pressure_step.torn, zero, yield_limit_of(law, state.pressure));
+  Real limit, expansion_work = 0;
+  if constexpr (plain_yield && !on.dilation) {
+    limit = select(pressure_step.torn, zero, yield_limit_of(law, state.pressure));
+  } else {
+    const YieldSurfaceOf<Real> surface =
+        yield_surface_of(law, strength_factors<on>(law, step, strain_deviator, state));
+    limit = select(pressure_step.torn, zero, surface.limit(state.pressure));
+    if constexpr (on.dilation) {
+      expansion_work = dilate<on>(law, surface, sqrt(j2), half * twice_shear_modulus,
+                                  j2 > limit && !pressure_step.torn, state);
+      limit = select(pressure_step.torn, zero, surface.limit(state.pressure));
+    }
+  }
   const auto yields = j2 > limit;
-  state.deviator = select(yields, sqrt(limit / select(yields, j2, Real(1))), Real(1)) * trial;
+  const Real scale = select(yields, sqrt(limit / select(yields, j2, Real(1))), Real(1));
+  state.deviator = scale * trial;
   // Plastic strain (s_trial - s)/2G under the mean stress of the step. It is negative only if the step
   // reverses a deviator that the limit then cuts; the end-point value, never negative, serves there.
   const SymmetricTensorOf<Real> excess = trial - state.deviator;
-  const Real mean_work = half * double_dot(turned + state.deviator, excess);
+  const Real mean_work = half * double_dot(carried + state.deviator, excess);
   const Real taken = select(mean_work < zero, double_dot(state.deviator, excess), mean_work);
   SoilWorkOf<Real> work;
   work.dissipated = pressure_step.dissipated + select(yields, taken / twice_shear_modulus, zero);
+  if constexpr (on.dilation) work.dissipated -= expansion_work;
   work.total = half * (pressure_before + state.pressure) * strain +
                half * double_dot(turned + state.deviator, strain_deviator);
+  if constexpr (on.strength_softening) {
+    const Real plastic_shear = (Real(1) - scale) * sqrt(j2) / (half * twice_shear_modulus);
+    update_lost_strength<on>(law, plastic_shear, strain, pressure_step.torn, step.duration, state);
+  }
   return work;
 }
 

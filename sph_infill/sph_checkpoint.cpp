@@ -20,6 +20,7 @@ void visit_state(ParticlesType& p, Visit&& visit) {
   visit("volume", p.volume);
   constexpr std::array names{"sxx", "syy", "szz", "sxy", "syz", "szx"};
   for (std::size_t c = 0; c < names.size(); ++c) visit(names[c], p.deviator[c]);
+  if (!p.lost_strength.empty()) visit("lost_strength", p.lost_strength);
 }
 
 /// Every number that a checkpoint holds.

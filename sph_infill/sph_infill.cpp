@@ -29,7 +29,7 @@ void check_settings(const Lattice& lattice, const SphSettings& settings) {
       throw_input_error("infill.sph viscosity is {}; it must be at least 0", viscosity);
 }
 
-SoilLaw law_of(const std::vector<Material>& materials, Index index, bool tension_cutoff) {
+SoilLaw law_of(const std::vector<Material>& materials, Index index, const SphSettings& settings) {
   if (index < 0 || static_cast<std::size_t>(index) >= materials.size())
     throw_input_error("SPH infill names material number {}, but there are {}", index, materials.size());
   const Material& material = materials[static_cast<std::size_t>(index)];
@@ -37,7 +37,7 @@ SoilLaw law_of(const std::vector<Material>& materials, Index index, bool tension
     throw_input_error("{}: material \"{}\" has no [continuum] block, which SPH infill needs", material.file,
                       material.name);
   try {
-    return make_soil_law(*material.continuum, tension_cutoff);
+    return make_soil_law(*material.continuum, settings.tension_cutoff, settings.soil_effects);
   } catch (const InputError& error) {
     throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
   }
@@ -52,6 +52,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   Impl& m = *impl_;
   m.settings.options = settings.options;
   m.settings.artificial_viscosity = settings.artificial_viscosity;
+  m.settings.soil_effects = settings.soil_effects;
   m.settings.zero_energy_control = settings.zero_energy_control;
   m.settings.step_limit =
       make_step_limit(settings.options, settings.artificial_viscosity, settings.zero_energy_control);
@@ -62,6 +63,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   p.assign(n);
   if (settings.zero_energy_control) p.residual.assign(n, {});
   p.position = lattice.position;
+  if (settings.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
   p.volume = lattice.volume;
   p.layer = lattice.layer;
   p.material = lattice.material;
@@ -71,7 +73,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(p.material[i]);
     if (k >= known.size() || !known[k]) {
-      SoilLaw law = law_of(materials, p.material[i], settings.tension_cutoff);
+      SoilLaw law = law_of(materials, p.material[i], settings);
       m.settings.laws[k] = std::move(law);
       known[k] = true;
     }
@@ -237,11 +239,13 @@ std::vector<Infill::Field> SphInfill::fields() const {
     shear[i] = std::sqrt(0.5 * double_dot(s.deviator, s.deviator));
     vertical[i] = s.deviator.zz - s.pressure;
   }
-  return {{"pressure", "Pa", p.pressure},
-          {"density", "kg/m^3", std::move(density)},
-          {"shear_stress", "Pa", std::move(shear)},
-          {"vertical_stress", "Pa", std::move(vertical)},
-          {"plastic_compression", "1", p.plastic_compression}};
+  std::vector<Infill::Field> fields{{"pressure", "Pa", p.pressure},
+                                    {"density", "kg/m^3", std::move(density)},
+                                    {"shear_stress", "Pa", std::move(shear)},
+                                    {"vertical_stress", "Pa", std::move(vertical)},
+                                    {"plastic_compression", "1", p.plastic_compression}};
+  if (!p.lost_strength.empty()) fields.push_back({"lost_strength", "1", p.lost_strength});
+  return fields;
 }
 
 }  // namespace tuft::sph

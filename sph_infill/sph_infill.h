@@ -5,6 +5,7 @@
 
 #include "core/infill.h"
 #include "core/scene.h"
+#include "sph_infill/soil_effects.h"
 
 namespace tuft::sph {
 
@@ -33,10 +34,13 @@ struct SphSettings {
   bool artificial_viscosity = true;
   bool tension_cutoff = true;
   bool zero_energy_control = false;
+  SoilEffects soil_effects;
 };
 
-/// Constrained modulus of the law at pressure p, Pa: K_unloading + 4/3 G there (the stiffest path).
-[[nodiscard]] double constrained_modulus(const SoilFoamMaterial& material, double pressure);
+/// Constrained modulus of the law at pressure p, Pa: K_unloading + 4/3 G there (the stiffest path), with
+/// density_hardening as on first loading to p.
+[[nodiscard]] double constrained_modulus(const SoilFoamMaterial& material, double pressure,
+                                         const SoilEffects& effects = {});
 
 class SphInfill final : public Infill {
  public:

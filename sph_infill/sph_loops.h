@@ -56,6 +56,7 @@ struct LoopSettings {
   SphOptions options;
   bool artificial_viscosity = true;
   bool zero_energy_control = false;
+  SoilEffects soil_effects;
   StepLimit step_limit;
   std::vector<SoilLaw> laws;  ///< by material
 };

@@ -47,17 +47,22 @@ GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const Neighbour
   return sum;
 }
 
+template <SoilEffects on>
 SoilStateOf<Pack> load_state(const Particles& p, std::size_t i, std::size_t count) {
   const auto of = [&](const std::vector<double>& values) { return load_lanes(values, i, count); };
+  Pack lost = 0;
+  if constexpr (on.strength_softening) lost = of(p.lost_strength);
   return {of(p.compression),
           of(p.largest_compression),
           of(p.plastic_compression),
           of(p.pressure),
           of(p.bulk_modulus),
           {of(p.deviator[0]), of(p.deviator[1]), of(p.deviator[2]), of(p.deviator[3]), of(p.deviator[4]),
-           of(p.deviator[5])}};
+           of(p.deviator[5])},
+          lost};
 }
 
+template <SoilEffects on>
 void store_state(const SoilStateOf<Pack>& s, std::size_t i, std::size_t count, Particles& p) {
   const auto to = [&](std::vector<double>& values, const Pack& pack) { store_lanes(pack, values, i, count); };
   to(p.compression, s.compression);
@@ -68,6 +73,7 @@ void store_state(const SoilStateOf<Pack>& s, std::size_t i, std::size_t count, P
   const SymmetricTensorOf<Pack>& d = s.deviator;
   const std::array<const Pack*, 6> component{&d.xx, &d.yy, &d.zz, &d.xy, &d.yz, &d.zx};
   for (std::size_t c = 0; c < 6; ++c) to(p.deviator[c], *component[c]);
+  if constexpr (on.strength_softening) to(p.lost_strength, s.lost_strength);
 }
 
 /// Written so that NaN fails; the sum of squares is not finite if any component is not.
@@ -125,6 +131,7 @@ struct PackSums {
 };
 
 /// What follows from the pair sums of `count` particles from i on.
+template <SoilEffects on>
 void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& sums, double dt,
                       std::size_t i, std::size_t count, Particles& p, PackSums& total) {
   std::array<const SoilLaw*, lanes> of_lane;
@@ -133,16 +140,16 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const LawOfLanes law(of_lane);
   const auto [correction, fitted] = correction_matrices(sums.moment);
   const TensorOf<Pack> velocity_gradient = dot(sums.velocity, correction);
-  SoilStateOf<Pack> state = load_state(p, i, count);
+  SoilStateOf<Pack> state = load_state<on>(p, i, count);
   Pack volume = load_lanes(p.volume, i, count);
   if (dt > 0) {
-    const SoilWorkOf<Pack> work = update_soil_state(law, strain_step_of(velocity_gradient, dt), state);
+    const SoilWorkOf<Pack> work = update_soil_state<on>(law, strain_step_of(velocity_gradient, dt), state);
     const Pack before = volume;
     volume = load_lanes(p.mass, i, count) / law.value(&SoilLaw::density) * exp(-state.compression);
     const Pack middle_volume = 0.5 * (before + volume);
     total.work += only(middle_volume * work.total, count);
     total.plastic += only(middle_volume * work.dissipated, count);
-    store_state(state, i, count, p);
+    store_state<on>(state, i, count, p);
     total.valid = total.valid && stdx::all_of(is_valid(state));
   }
   store_lanes(volume, p.volume, i, count);
@@ -166,13 +173,24 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
                            velocity_gradient, fitted, modulus, mass, volume, i, count, p);
 }
 
+/// update_particles for the effects of the scene. Apart from the kernel's loop: there are many combinations
+/// of effects, and no kernel in any.
+using ParticleUpdate = decltype(&update_particles<SoilEffects{}>);
+
+ParticleUpdate particle_update_of(const SoilEffects& effects) {
+  ParticleUpdate update = nullptr;
+  with_soil_effects(effects, [&](auto on) { update = update_particles<decltype(on)::value>; });
+  return update;
+}
+
 template <class KernelType>
 StressSums update_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
                         double dt, std::size_t begin, std::size_t end, Particles& p) {
+  const ParticleUpdate update = particle_update_of(settings.soil_effects);
   PackSums total;
   for (std::size_t i = begin; i < end; i += lanes)
-    update_particles(settings, sum_pair_gradients(kernel, list, p, i / lanes), dt, i,
-                     std::min(lanes, end - i), p, total);
+    update(settings, sum_pair_gradients(kernel, list, p, i / lanes), dt, i, std::min(lanes, end - i), p,
+           total);
   return {sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step), total.valid};
 }
 

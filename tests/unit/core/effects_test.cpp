@@ -76,6 +76,36 @@ TEST(Effects, ContactDampingNeedsARestitutionBelowOne) {
   EXPECT_FALSE(decide("contact_damping", overrides).on);
 }
 
+const std::string continuum = "materials.sbr.continuum.";
+
+TEST(Effects, OfTheSoilLawAreOnWhereAMaterialGivesTheirParameters) {
+  for (const char* name : {"density_hardening", "strength_softening", "strength_recovery", "strength_rate",
+                           "dilation", "shear_energy"})
+    EXPECT_FALSE(decide(name, {}).on) << name;
+  const Overrides hardening{{continuum + "density_hardening.modulus_exponent", "2"}},
+      softening{{continuum + "strength_softening.strain", "0.1"}},
+      rate{{continuum + "strength_rate.coefficient", "0.04"},
+           {continuum + "strength_rate.reference", "1 Hz"}},
+      dilation{{continuum + "dilation_angle", "5 degree"}};
+  EXPECT_THAT(decide("density_hardening", hardening).why, HasSubstr("sbr"));
+  EXPECT_TRUE(decide("density_hardening", hardening).on);
+  EXPECT_TRUE(decide("shear_energy", hardening).on) << "it makes the shear modulus grow";
+  EXPECT_TRUE(decide("strength_softening", softening).on);
+  EXPECT_FALSE(decide("strength_recovery", softening).on);
+  EXPECT_TRUE(decide("strength_rate", rate).on);
+  EXPECT_TRUE(decide("dilation", dilation).on);
+  Overrides recovery = softening;
+  recovery.emplace_back(continuum + "strength_recovery.time", "2 s");
+  EXPECT_TRUE(decide("strength_recovery", recovery).on);
+  recovery.emplace_back("effects.strength_softening", "false");
+  EXPECT_FALSE(decide("strength_recovery", recovery).on) << "nothing is lost";
+  Overrides off = hardening;
+  off.emplace_back("effects.density_hardening", "false");
+  EXPECT_FALSE(decide("shear_energy", off).on);
+  off.emplace_back("infill.approach", "dem");
+  EXPECT_EQ(decide("dilation", off).why, "only for sph infill");
+}
+
 TEST(Effects, AreFoundByName) {
   const std::vector<EffectDecision> decisions{{"a", true, ""}, {"b", false, ""}};
   EXPECT_TRUE(effect_on(decisions, "a"));
@@ -98,6 +128,17 @@ TEST(Effects, SwitchedOnWithNothingToActOnAreRefusedByName) {
               AllOf(HasSubstr("effects.overlap_release"), HasSubstr("contact_release_time is 0")));
   EXPECT_EQ(said({{"effects.erosion", "true"}, {"turf.carpet.fibre.failure_strain", "0.4"}}), "");
   EXPECT_EQ(said({{"effects.erosion", "false"}}), "");
+  EXPECT_THAT(said({{"effects.density_hardening", "true"}}),
+              AllOf(HasSubstr("effects.density_hardening"), HasSubstr("no material has")));
+  EXPECT_THAT(said({{"effects.strength_recovery", "true"}, {continuum + "strength_softening.strain", "0.1"}}),
+              AllOf(HasSubstr("effects.strength_recovery"), HasSubstr("time or compression above 0")));
+  EXPECT_THAT(said({{"effects.strength_recovery", "true"}, {continuum + "strength_recovery.time", "1 s"}}),
+              HasSubstr("no strength is lost"));
+  EXPECT_THAT(said({{"effects.strength_rate", "true"}}),
+              HasSubstr("no material has a continuum.strength_rate"));
+  EXPECT_THAT(said({{"effects.dilation", "true"}}), HasSubstr("dilation_angle above 0"));
+  EXPECT_EQ(said({{"effects.shear_energy", "true"}}), "")
+      << "unloading moduli of the materials follow pressure";
 }
 
 }  // namespace

@@ -9,19 +9,27 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "core/point_test.h"
 #include "core/scene_reader.h"
+#include "scratch_folder.h"
 
 namespace tuft {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> scenes() {
+/// Files of inputs/: tests of a point by their name, or scenes.
+std::vector<fs::path> files(bool of_points) {
   std::vector<fs::path> found;
   for (const auto& entry : fs::directory_iterator("inputs"))
-    if (entry.path().extension() == ".toml") found.push_back(entry.path());
+    if (entry.path().extension() == ".toml" &&
+        entry.path().filename().string().starts_with("point_") == of_points)
+      found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   return found;
+}
+std::vector<fs::path> scenes() {
+  return files(false);
 }
 
 TEST(Inputs, EverySceneReadsWithBothApproaches) {
@@ -54,6 +62,21 @@ TEST(Inputs, EverySceneComesBackBitForBitFromItsResolvedText) {
       EXPECT_EQ(again.materials[i].continuum->unloading.y, scene.materials[i].continuum->unloading.y);
       EXPECT_EQ(again.materials[i].grain_shares.size(), scene.materials[i].grain_shares.size());
     }
+  }
+}
+
+TEST(Inputs, EveryPointTestComesBackFromItsResolvedText) {
+  ASSERT_EQ(files(true).size(), 3u);
+  const test::ScratchFolder folder;
+  for (const fs::path& file : files(true)) {
+    const PointTest test = read_point_test(file);
+    const std::string text = write_point_test(test);
+    std::ofstream(folder.path() / "point.toml") << text;
+    const PointTest again = read_point_test(folder.path() / "point.toml");
+    EXPECT_EQ(write_point_test(again), text) << file;
+    EXPECT_EQ(again.segments.size(), test.segments.size());
+    EXPECT_EQ(again.tested().continuum->density_hardening->modulus_exponent,
+              test.tested().continuum->density_hardening->modulus_exponent);
   }
 }
 

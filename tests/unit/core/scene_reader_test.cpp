@@ -355,6 +355,41 @@ TEST(SceneMistakes, Curves) {
   EXPECT_THAT(curve("3"), StartsWith(at + ": 3: a curve is needed"));
 }
 
+TEST(SceneMistakes, PartsOfTheSoilLawGivenTwiceOrNotAtAll) {
+  const auto own = [](const std::string& text) {
+    return complaint(good + "[materials.sbr.continuum]\n" + text + "\n");
+  };
+  const std::string at = "a.toml:25: materials.sbr.continuum.";
+  EXPECT_THAT(own("pressure_exponential = { modulus = \"1 MPa\", growth = 5 }"),
+              AllOf(StartsWith(at + "pressure_exponential: "), HasSubstr("given twice")));
+  EXPECT_THAT(own("unloading_ratio = 1.2"),
+              AllOf(StartsWith(at + "unloading_ratio: 1.2: "), HasSubstr("given twice")));
+  EXPECT_THAT(own("mohr_coulomb = { cohesion = \"5 kPa\", friction_angle = \"30 degree\" }"),
+              AllOf(StartsWith(at + "mohr_coulomb: "), HasSubstr("strength is given twice")));
+  EXPECT_THAT(own("mohr_coulomb = { cohesion = \"5 kPa\" }"),
+              StartsWith(at + "mohr_coulomb.friction_angle: missing"));
+  EXPECT_THAT(
+      own("mohr_coulomb = { cohesion = \"5 kPa\", friction_angle = \"30 degree\", match = \"simple\" }"),
+      HasSubstr("\"pure_shear\", \"plane_strain\" or \"triaxial_compression\" is needed"));
+  EXPECT_THAT(own("strength_softening = { strain = 0.1, residual_friction = 0.0 }"),
+              AllOf(HasSubstr("residual_friction: "), HasSubstr("above 0 and at most 1")));
+  EXPECT_THAT(own("density_hardening = { modulus_exponent = -1.0 }"), HasSubstr("must be at least 0"));
+  EXPECT_NO_THROW(
+      (void)read_scene_text(good + "[materials.sbr.continuum]\n"
+                                   "mohr_coulomb = { cohesion = \"5 kPa\", friction_angle = \"30 degree\" }\n"
+                                   "yield_a0 = \"0 Pa^2\"\nyield_a2 = 0.0\n",
+                            "a.toml"))
+      << "0 where the file gives them";
+
+  const std::string whole =
+      "[materials.new.material]\nbulk_density = \"500 kg/m^3\"\n[materials.new.continuum]\n";
+  EXPECT_THAT(complaint(good + whole + "unloading_ratio = 1.2\n"), HasSubstr("pressure: missing"));
+  const std::string loading = "pressure_exponential = { modulus = \"1 MPa\", growth = 5 }\n";
+  EXPECT_THAT(complaint(good + whole + loading), HasSubstr("unloading: missing"));
+  EXPECT_THAT(complaint(good + whole + loading + "unloading_ratio = 0.8\n"), HasSubstr("at least 1"));
+  EXPECT_NO_THROW((void)read_scene_text(good + whole + loading + "unloading_ratio = 1.2\n", "a.toml"));
+}
+
 TEST(SceneMistakes, MistakesInNamedFilesNameThatFile) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "materials");

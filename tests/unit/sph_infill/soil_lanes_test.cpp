@@ -23,10 +23,11 @@ void expect_near(const SymmetricTensor& a, const SymmetricTensor& b, double boun
   EXPECT_LE(std::sqrt(double_dot(a - b, a - b)), bound);
 }
 
-TEST(SoilLanes, FollowThePathsOfSinglePointsEachUnderItsOwnLaw) {
-  // First loading, unloading, yield, tension and back, in all lanes at different times.
-  const SoilLaw soft = make_soil_law(mixture_material()),
-                elastic = make_soil_law(elastic_material(2e6, 1500));
+/// First loading, unloading, yield, tension and back, in all lanes at different times.
+template <SoilEffects on>
+void expect_paths_of_single_points(const SoilFoamMaterial& material) {
+  const SoilLaw soft = make_soil_law(material, true, on),
+                elastic = make_soil_law(elastic_material(2e6, 1500), true, on);
   std::array<const SoilLaw*, lanes> of_lane;
   for (std::size_t l = 0; l < lanes; ++l) of_lane[l] = l % 3 == 1 ? &elastic : &soft;
   SoilStateOf<Pack> state;
@@ -41,14 +42,18 @@ TEST(SoilLanes, FollowThePathsOfSinglePointsEachUnderItsOwnLaw) {
     StrainStepOf<Pack> step;
     step.strain = random_tensor([&](auto) { return 1e-3 * any(random); });
     for (Pack& turn : step.rotation) turn = Pack([&](auto) { return 1e-2 * any(random); });
-    const SoilWorkOf<Pack> work = update_soil_state(LawOfLanes(of_lane), step, state);
+    step.duration = 1e-4;
+    const SoilWorkOf<Pack> work = update_soil_state<on>(LawOfLanes(of_lane), step, state);
     for (std::size_t l = 0; l < lanes; ++l) {
       const StrainStep of_one{lane_of(step.strain, l),
-                              {step.rotation[0][l], step.rotation[1][l], step.rotation[2][l]}};
+                              {step.rotation[0][l], step.rotation[1][l], step.rotation[2][l]},
+                              step.duration};
       const SoilWork expected = update_soil(*of_lane[l], of_one, one[l]);
       const double stress = 1e3 + std::abs(one[l].pressure);
       ASSERT_NEAR(state.compression[l], one[l].compression, 1e-13);
+      ASSERT_NEAR(state.largest_compression[l], one[l].largest_compression, 1e-13);
       ASSERT_NEAR(state.plastic_compression[l], one[l].plastic_compression, 1e-11);
+      ASSERT_NEAR(state.lost_strength[l], one[l].lost_strength, 1e-9);
       ASSERT_NEAR(state.pressure[l], one[l].pressure, 1e-9 * stress) << "lane " << l << ", step " << k;
       ASSERT_NEAR(state.bulk_modulus[l], one[l].bulk_modulus, 1e-9 * one[l].bulk_modulus);
       expect_near(lane_of(state.deviator, l), one[l].deviator, 1e-8 * (stress + one[l].bulk_modulus * 1e-2));
@@ -60,6 +65,21 @@ TEST(SoilLanes, FollowThePathsOfSinglePointsEachUnderItsOwnLaw) {
   }
   EXPECT_GT(yielded, 1000);
   EXPECT_GT(torn, 100);
+}
+
+TEST(SoilLanes, FollowThePathsOfSinglePointsEachUnderItsOwnLaw) {
+  expect_paths_of_single_points<SoilEffects{}>(mixture_material());
+}
+
+TEST(SoilLanes, FollowThemWithEachEffectAndWithAllOfThem) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  expect_paths_of_single_points<SoilEffects{.density_hardening = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.strength_softening = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.strength_softening = true, .strength_recovery = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.strength_rate = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.dilation = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.shear_energy = true}>(m);
+  expect_paths_of_single_points<all_soil_effects>(m);
 }
 
 TEST(SoilLanes, StrainAndTurnOfAStepAreThoseOfASinglePoint) {

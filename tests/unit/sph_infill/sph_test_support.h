@@ -39,6 +39,21 @@ inline SoilFoamMaterial mixture_material() {
   return m;
 }
 
+/// The same as closed forms, with parameters for every effect of the law.
+inline SoilFoamMaterial mixture_with_effects() {
+  SoilFoamMaterial m = mixture_material();
+  m.pressure = m.unloading = {};
+  m.pressure_exponential = ExponentialCompression{1.5e6, 10};
+  m.unloading_ratio = 1.2;
+  m.density_hardening = DensityHardening{4, 2, 0.5};
+  m.strength_softening = StrengthSoftening{0.05, 0.2, 0.8};
+  m.strength_recovery = StrengthRecovery{0.5, 0.02};
+  m.strength_rate = StrengthRate{0.05, 0.1};
+  m.dilation_angle = 0.15;
+  return m;
+}
+inline constexpr SoilEffects all_soil_effects{true, true, true, true, true, true};
+
 inline std::vector<Material> single_material(const SoilFoamMaterial& continuum) {
   Material material;
   material.name = "test";

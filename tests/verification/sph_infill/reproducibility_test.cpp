@@ -19,13 +19,14 @@ struct StruckBed {
   SphInfill infill;
   test::Tray tray;
 
-  explicit StruckBed(test::Preset preset, int width = 10)
-      : infill(test::block(width, width, 10, pitch), test::single_material(test::mixture_material()),
-               settings_of(preset)),
+  explicit StruckBed(test::Preset preset, int width = 10, const SoilEffects& effects = {})
+      : infill(test::block(width, width, 10, pitch), test::single_material(test::mixture_with_effects()),
+               settings_of(preset, effects)),
         tray(width * pitch, width * pitch, 10 * 4e6 * pitch, 0.1) {}
-  static SphSettings settings_of(test::Preset preset) {
+  static SphSettings settings_of(test::Preset preset, const SoilEffects& effects) {
     SphSettings settings;
     settings.options = test::options_of(preset, pitch);
+    settings.soil_effects = effects;
     return settings;
   }
   void strike() {
@@ -67,9 +68,9 @@ class Reproducibility : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, Reproducibility,
                          testing::Values(test::Preset::accurate, test::Preset::paper));
 
-TEST_P(Reproducibility, OneAndTwoThreadsGiveTheSameBits) {
+void expect_same_on_one_and_two_threads(test::Preset preset, const SoilEffects& effects) {
   const int threads = omp_get_max_threads();
-  StruckBed one(GetParam()), two(GetParam());
+  StruckBed one(preset, 10, effects), two(preset, 10, effects);
   one.strike();
   two.strike();
   set_threads(1);
@@ -87,9 +88,9 @@ struct TemporaryFile {
   ~TemporaryFile() { std::filesystem::remove(path); }
 };
 
-TEST_P(Reproducibility, ARunThatWasSavedAndLoadedGoesOnWithTheSameBits) {
+void expect_same_when_continued(test::Preset preset, const SoilEffects& effects) {
   const TemporaryFile file;
-  StruckBed straight(GetParam());
+  StruckBed straight(preset, 10, effects);
   straight.strike();
   // Not at a rebuild of the neighbour list: particles have moved since, and the row order is that of the
   // build.
@@ -101,10 +102,42 @@ TEST_P(Reproducibility, ARunThatWasSavedAndLoadedGoesOnWithTheSameBits) {
     out.commit();
   }
   straight.run(30);
-  StruckBed resumed(GetParam());
+  StruckBed resumed(preset, 10, effects);
   resumed.infill.load(h5::File::open(file.path).root().open_group("infill"));
   resumed.run(30);
   expect_same(straight.infill, resumed.infill);
+}
+
+TEST_P(Reproducibility, OneAndTwoThreadsGiveTheSameBits) {
+  expect_same_on_one_and_two_threads(GetParam(), {});
+}
+
+TEST_P(Reproducibility, ARunThatWasSavedAndLoadedGoesOnWithTheSameBits) {
+  expect_same_when_continued(GetParam(), {});
+}
+
+TEST(ReproducibilityOfSoilEffects, OneAndTwoThreadsGiveTheSameBits) {
+  expect_same_on_one_and_two_threads(test::Preset::accurate, test::all_soil_effects);
+}
+
+TEST(ReproducibilityOfSoilEffects, ARunThatWasSavedAndLoadedGoesOnWithTheSameBits) {
+  expect_same_when_continued(test::Preset::accurate, test::all_soil_effects);
+}
+
+TEST(ReproducibilityOfSoilEffects, EachOfThemChangesWhatABlowDoes) {
+  const auto struck = [](const SoilEffects& effects) {
+    StruckBed bed(test::Preset::paper, 6, effects);
+    bed.strike();
+    bed.run(20);
+    return bed.infill.energy().dissipated;
+  };
+  const double without = struck({});
+  for (const SoilEffects& effects :
+       {SoilEffects{.density_hardening = true}, SoilEffects{.strength_softening = true},
+        SoilEffects{.strength_rate = true}, SoilEffects{.dilation = true}, SoilEffects{.shear_energy = true}})
+    EXPECT_GT(std::abs(struck(effects) - without), 1e-6 * without);
+  EXPECT_NE(struck({.strength_softening = true, .strength_recovery = true}),
+            struck({.strength_softening = true}));
 }
 
 TEST_P(Reproducibility, ACheckpointOfAnotherSceneIsRejected) {

@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/number_format.h"
+#include "app/point_page.h"
+#include "app/text_table.h"
+#include "app/verbs.h"
+#include "core/error.h"
+#include "rigs/run_folder.h"
+
+namespace tuft::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PointArguments {
+  std::string file, out;
+  std::vector<std::string> settings;
+};
+
+sph::SoilEffects soil_effects(const std::vector<EffectDecision>& effects) {
+  return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
+          effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
+          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
+}
+
+/// Names and units of the columns of path.csv, as they are written below.
+constexpr const char* csv_header =
+    "segment,time [s],strain_xx [1],strain_yy [1],strain_zz [1],strain_xy [1],strain_yz [1],strain_zx [1],"
+    "compression [1],plastic_compression [1],largest_compression [1],lost_strength [1],pressure [Pa],q [Pa],"
+    "q_at_yield [Pa],stress_xx [Pa],stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_yz [Pa],stress_zx "
+    "[Pa],"
+    "bulk_modulus [Pa],work [J/m^3],dissipated [J/m^3],stored [J/m^3]\n";
+
+/// Tensors are positive in extension; compression, pressure and q in compression. As many digits as bring
+/// back the same bits.
+std::string csv_of(const sph::PathRecord& record) {
+  std::string text = csv_header;
+  for (const sph::PathRow& r : record.rows) {
+    const sph::SymmetricTensor& e = r.strain;
+    const sph::SymmetricTensor s = r.stress();
+    text += fmt::format("{}", r.segment);
+    for (const double value : {r.time,
+                               e.xx,
+                               e.yy,
+                               e.zz,
+                               e.xy,
+                               e.yz,
+                               e.zx,
+                               r.state.compression,
+                               r.state.plastic_compression,
+                               r.state.largest_compression,
+                               r.state.lost_strength,
+                               r.state.pressure,
+                               r.q(),
+                               std::sqrt(3.0) * r.yield,
+                               s.xx,
+                               s.yy,
+                               s.zz,
+                               s.xy,
+                               s.yz,
+                               s.zx,
+                               r.state.bulk_modulus,
+                               r.work,
+                               r.dissipated,
+                               r.stored})
+      text += fmt::format(",{}", value);
+    text += '\n';
+  }
+  return text;
+}
+
+nlohmann::json summary_of(const PointRun& run) {
+  nlohmann::json results = nlohmann::json::object(), effects = nlohmann::json::object();
+  const auto add = [&](const std::string& name, double value, const char* unit) {
+    results[name] = {{"value", value}, {"unit", unit}};
+  };
+  const auto& rows = run.record.rows;
+  double pressure = 0, q = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    pressure = std::max(pressure, rows[k].state.pressure);
+    q = std::max(q, rows[k].q());
+    if (rows[k].segment == 0 || (k + 1 < rows.size() && rows[k + 1].segment == rows[k].segment)) continue;
+    const std::string end = fmt::format("segment_{}_", rows[k].segment);
+    add(end + "compression", rows[k].state.compression, "1");
+    add(end + "pressure", rows[k].state.pressure, "Pa");
+    add(end + "q", rows[k].q(), "Pa");
+    add(end + "axial_stress", -rows[k].stress().zz, "Pa");
+    add(end + "shear_stress", rows[k].state.deviator.xy, "Pa");
+    add(end + "bulk_modulus", rows[k].state.bulk_modulus, "Pa");
+  }
+  add("largest_pressure", pressure, "Pa");
+  add("largest_q", q, "Pa");
+  add("work", rows.back().work, "J/m^3");
+  add("dissipated", rows.back().dissipated, "J/m^3");
+  for (const EffectDecision& effect : run.effects)
+    effects[effect.name] = {{"on", effect.on}, {"why", effect.why}};
+  return {{"status", run.error.empty() ? "completed" : "failed"},
+          {"error", run.error},
+          {"test", run.test.name},
+          {"material", run.test.tested().name},
+          {"results", results},
+          {"energy_error", energy_gap(run)},
+          {"steps", run.record.steps},
+          {"wall_s", run.wall_seconds},
+          {"effects", effects},
+          {"version", TUFT_VERSION}};
+}
+
+/// Nothing of another kind of run may be written over; an earlier test of a point may.
+void prepare_folder(const fs::path& out) {
+  std::error_code error;
+  if (!fs::exists(out / "point.toml", error)) rigs::check_run_folder(out);
+  fs::create_directories(out, error);
+  if (error)
+    throw_input_error("{}: cannot be made ({}); choose another --out", out.string(), error.message());
+}
+
+std::string ends_table(const PointRun& run) {
+  TextTable table({"segment", "compression", "pressure", "q", "stress along z", "shear stress"});
+  const auto& rows = run.record.rows;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k + 1 < rows.size() && rows[k + 1].segment == rows[k].segment) continue;
+    const sph::PathRow& r = rows[k];
+    table.add({r.segment == 0 ? "start" : fmt::format("{}", r.segment), format_percent(r.state.compression),
+               format_quantity(r.state.pressure, "Pa"), format_quantity(r.q(), "Pa"),
+               format_quantity(-r.stress().zz, "Pa"), format_quantity(r.state.deviator.xy, "Pa")});
+  }
+  return table.text();
+}
+
+sph::SoilLaw law_of(const PointTest& test, const std::vector<EffectDecision>& effects) {
+  const Material& material = test.tested();
+  try {
+    const sph::SoilLaw law =
+        sph::make_soil_law(*material.continuum, effect_on(effects, "tension_cutoff"), soil_effects(effects));
+    (void)sph::compacted_state(law, test.residual_compression);
+    return law;
+  } catch (const InputError& error) {
+    throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
+  }
+}
+
+int point(const PointArguments& arguments) {
+  PointRun run;
+  run.test = read_point_test(arguments.file, parse_settings(arguments.settings));
+  run.effects = decide_effects(run.test);
+  run.law = law_of(run.test, run.effects);
+  const fs::path out = arguments.out.empty() ? fs::path("out") / run.test.name : fs::path(arguments.out);
+  prepare_folder(out);
+  rigs::write_text_file(out / "point.toml", write_point_test(run.test));
+
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    sph::run_strain_path(run.law, run.test, run.record);
+  } catch (const RunError& error) {
+    run.error = error.what();
+  }
+  run.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rigs::write_text_file(out / "path.csv", csv_of(run.record));
+  rigs::write_text_file(out / "summary.json", summary_of(run).dump(2) + "\n");
+  rigs::write_text_file(out / "report.html", point_page(run));
+  if (!run.error.empty()) throw RunError(run.error);
+  fmt::print("{}report: {}\n", ends_table(run), (out / "report.html").string());
+  return 0;
+}
+
+}  // namespace
+
+void register_point(CLI::App& program, Action& action) {
+  CLI::App* verb = program.add_subcommand(
+      "point", "One point of a material along a path of strain and stress: table, summary and page");
+  auto arguments = std::make_shared<PointArguments>();
+  verb->add_option("TEST", arguments->file, "test file (TOML), e.g. inputs/point_sand.toml")->required();
+  verb->add_option("--out", arguments->out, "folder for the results (default: out/NAME)");
+  verb->add_option("--set", arguments->settings, "override a key of the test, e.g. point.step=1e-5")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  verb->callback([arguments, &action] { action = [arguments] { return point(*arguments); }; });
+}
+
+}  // namespace tuft::app

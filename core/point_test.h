@@ -1,0 +1,69 @@
+#pragma once
+/// Tests of one material point (`tuft point`): a material and the path that it is strained along. SI
+/// throughout.
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/scene.h"
+#include "core/scene_reader.h"
+
+namespace tuft {
+
+/// The effects that a point has.
+inline constexpr std::array<std::string_view, 7> point_effect_names{
+    "tension_cutoff", "density_hardening", "strength_softening", "strength_recovery",
+    "strength_rate",  "dilation",          "shear_energy"};
+
+/// How a segment moves; stresses and strains are positive in compression, z is the axis.
+enum class PathKind {
+  isotropic,         ///< all sides alike
+  oedometric,        ///< along z alone
+  triaxial,          ///< along z, normal stresses along x and y kept
+  simple_shear,      ///< x displaced in proportion to y, with its rotation
+  pure_shear,        ///< the same shear without rotation
+  velocity_gradient  ///< as given
+};
+
+/// One segment; it ends at a strain, at a stress, or after a duration: exactly one is given.
+struct PathSegment {
+  PathKind kind = PathKind::isotropic;
+  /// Change over the segment: logarithmic, of volume (isotropic) or along z (oedometric, triaxial); of a
+  /// shear its tangent.
+  std::optional<double> strain;
+  /// Pa: mean pressure (isotropic), stress along z (oedometric, triaxial), shear stress xy.
+  std::optional<double> stress;
+  std::optional<double> duration;         ///< s; velocity_gradient only, and all that it may have
+  double rate = 1;                        ///< 1/s, of that strain
+  std::vector<double> velocity_gradient;  ///< 1/s, nine by rows, extension positive: dv_x/dx, dv_x/dy, ...
+};
+
+struct PointTest {
+  std::string file;  ///< as given by the user, for messages
+  std::string name;
+  std::vector<Material> materials;
+  Index material = 0;               ///< index into them
+  double residual_compression = 0;  ///< ln(rho/rho0) to which the point was pressed and released before
+  double step = 1e-4;               ///< largest strain of a step
+  double strain_limit = 2;          ///< a stress that is not met within it ends the test with an error
+  int samples = 400;                ///< rows kept of a segment
+  Effects effects;
+  std::vector<PathSegment> segments;
+
+  [[nodiscard]] const Material& tested() const { return materials[static_cast<std::size_t>(material)]; }
+};
+
+/// Reads a test and the material it names, as scenes are read. Throws InputError, one line: file:line, key,
+/// value, what to do.
+[[nodiscard]] PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides = {});
+
+/// The effects of the soil law as decided for a test.
+[[nodiscard]] std::vector<EffectDecision> decide_effects(const PointTest& test);
+
+/// The test with every default written out and its material inline; reads back the same.
+[[nodiscard]] std::string write_point_test(const PointTest& test);
+
+}  // namespace tuft

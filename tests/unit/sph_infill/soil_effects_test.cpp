@@ -1,0 +1,342 @@
+// Effects of the soil law, one by one, and what they do to its energy.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/error.h"
+#include "sph_infill/soil_update.h"
+#include "tests/unit/sph_infill/sph_test_support.h"
+
+namespace tuft::sph {
+namespace {
+
+StrainStep compress(double strain, double dt = 0) {
+  return {{-strain / 3, -strain / 3, -strain / 3, 0, 0, 0}, {}, dt};
+}
+/// Shear at constant volume by an engineering strain.
+StrainStep shear(double gamma, double dt = 0) {
+  return {{0, 0, 0, 0.5 * gamma, 0, 0}, {}, dt};
+}
+
+void go_to(const SoilLaw& law, SoilState& state, double target, int steps) {
+  const double strain = (target - state.compression) / steps;
+  for (int k = 0; k < steps; ++k) update_soil(law, compress(strain), state);
+}
+
+double root_j2(const SoilState& state) {
+  return std::sqrt(0.5 * double_dot(state.deviator, state.deviator));
+}
+
+/// Shear stress reached by shearing far.
+double strength(const SoilLaw& law, SoilState state, double rate = 0) {
+  for (int k = 0; k < 200; ++k) update_soil(law, shear(1e-3, rate > 0 ? 1e-3 / rate : 0), state);
+  return root_j2(state);
+}
+
+using test::mixture_with_effects;
+
+constexpr SoilEffects hardening{true, false, false, false, false, false},
+    softening{false, true, false, false, false, false}, recovery{false, true, true, false, false, false},
+    rate{false, false, false, true, false, false}, dilation{false, false, false, false, true, false},
+    shear_energy{false, false, false, false, false, true};
+
+TEST(DensityHardening, CompactionRaisesModulusAndStrengthTogetherAndTheyStay) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, hardening);
+  SoilState pressed = reference_state(law);
+  const double loose_modulus = pressed.bulk_modulus, loose_strength = strength(law, pressed);
+  const double largest = 0.1;
+  go_to(law, pressed, largest, 100);
+  const double left = largest * (1 - 1 / (1.2 * std::exp(4 * largest)));
+  go_to(law, pressed, left, 100);
+  EXPECT_NEAR(pressed.pressure, 0, 1e-6) << "free of stress at the density it keeps";
+  EXPECT_NEAR(pressed.bulk_modulus, std::exp(4 * largest) * loose_modulus, 1e-9 * loose_modulus);
+  EXPECT_NEAR(strength(law, pressed), std::exp(2 * largest) * loose_strength, 1e-6 * loose_strength);
+}
+
+TEST(DensityHardening, FirstLoadingIsTheSameAndReloadingRejoinsIt) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, hardening);
+  const auto first_loading = [](double e) { return 1.5e5 * std::expm1(10 * e); };
+  SoilState state = reference_state(law);
+  for (const double e : {0.02, 0.07, 0.12}) {
+    go_to(law, state, e, 20);
+    EXPECT_NEAR(state.pressure, first_loading(e), 1e-9 * first_loading(e));
+    go_to(law, state, 0.9 * e, 7);
+    EXPECT_LT(state.pressure, first_loading(0.9 * e));
+    go_to(law, state, e, 13);
+    EXPECT_NEAR(state.pressure, first_loading(e), 1e-9 * first_loading(e));
+  }
+}
+
+TEST(DensityHardening, CompactedStateIsWhatPressingAndReleasingLeaves) {
+  for (const SoilEffects& effects : {SoilEffects{}, hardening}) {
+    const SoilLaw law = make_soil_law(mixture_with_effects(), true, effects);
+    const SoilState made = compacted_state(law, 0.03);
+    SoilState pressed = reference_state(law);
+    go_to(law, pressed, made.largest_compression, 50);
+    go_to(law, pressed, 0.03, 50);
+    EXPECT_NEAR(pressed.plastic_compression, 0.03, 1e-12);
+    EXPECT_NEAR(pressed.pressure, made.pressure, 1e-5);
+    EXPECT_NEAR(pressed.bulk_modulus, made.bulk_modulus, 1e-6 * made.bulk_modulus);
+  }
+  const SoilLaw elastic = make_soil_law(test::elastic_material(1e6, 1000));
+  EXPECT_THROW((void)compacted_state(elastic, 0.1), InputError);
+  EXPECT_EQ(compacted_state(elastic, 0).compression, 0);
+}
+
+TEST(StrengthSoftening, LosesStrengthWithPlasticShearDownToItsResidual) {
+  SoilFoamMaterial m = mixture_with_effects();
+  m.yield_a1 = m.yield_a2 = 0;  // cohesion alone, 20 kPa
+  const SoilLaw law = make_soil_law(m, true, softening);
+  SoilState state = reference_state(law);
+  const double shear_modulus = 0.5 * 1.2 * 1.5e6, step = 1e-4;
+  // To the yield point, then by plastic shear gamma: 0.2 + 0.8 exp(-gamma/0.05) of the cohesion.
+  double plastic = 0, before = 0;
+  for (int k = 0; k < 5000; ++k) {
+    update_soil(law, shear(step), state);
+    plastic += step - (state.deviator.xy - before) / shear_modulus;
+    before = state.deviator.xy;
+    if (k % 500 == 499) {
+      EXPECT_NEAR(state.deviator.xy, 20e3 * (0.2 + 0.8 * std::exp(-plastic / 0.05)), 40) << k;
+    }
+  }
+  EXPECT_NEAR(state.deviator.xy, 0.2 * 20e3, 10);
+  EXPECT_GT(state.lost_strength, 0.999);
+}
+
+TEST(StrengthSoftening, TornInfillHasLostItsStrength) {
+  const SoilLaw law = make_soil_law(mixture_with_effects(), true, softening);
+  SoilState state = reference_state(law);
+  go_to(law, state, -0.5, 100);
+  EXPECT_GT(state.lost_strength, 0.999);
+}
+
+TEST(StrengthRecovery, ComesBackWithTimeAndWithCompressionAndNotWithout) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, recovery);
+  SoilState lost = reference_state(law);
+  lost.lost_strength = 0.9;
+  SoilState state = lost;
+  for (int k = 0; k < 100; ++k) update_soil(law, compress(0, 0.01), state);  // 1 s
+  EXPECT_NEAR(state.lost_strength, 0.9 * std::exp(-1 / 0.5), 1e-12);
+  state = lost;
+  go_to(law, state, 0.01, 10);
+  EXPECT_NEAR(state.lost_strength, 0.9 * std::exp(-0.01 / 0.02), 1e-12);
+  const double kept = state.lost_strength;
+  go_to(law, state, 0.005, 10);
+  EXPECT_EQ(state.lost_strength, kept) << "unloading heals nothing";
+  const SoilLaw without = make_soil_law(m, true, softening);
+  state = lost;
+  for (int k = 0; k < 100; ++k) update_soil(without, compress(1e-4, 0.01), state);
+  EXPECT_NEAR(state.lost_strength, 0.9, 1e-12);
+}
+
+TEST(StrengthRate, GrowsWithTheLogarithmOfTheShearRate) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, rate), plain = make_soil_law(m);
+  const double slow = strength(plain, reference_state(plain));
+  for (const double gamma_rate : {1e-3, 0.1, 10.0, 1000.0})
+    EXPECT_NEAR(strength(law, reference_state(law), gamma_rate),
+                slow * (1 + 0.05 * std::log1p(gamma_rate / 0.1)), 1e-9 * slow);
+  EXPECT_NEAR(strength(law, reference_state(law), 0), slow, 1e-9 * slow) << "no duration: infinitely slow";
+}
+
+TEST(Dilation, ShearedAtFixedDensityCompactedInfillPressesUpToFirstLoadingAndStops) {
+  const SoilLaw law = make_soil_law(mixture_with_effects(), true, dilation);
+  SoilState state = compacted_state(law, 0.02);
+  const double virgin = law.virgin(0.02).value;
+  double before = state.pressure, plastic_before = state.plastic_compression;
+  bool checked = false;
+  for (int k = 0; k < 3000; ++k) {
+    const double stress = root_j2(state);
+    update_soil(law, shear(1e-4), state);
+    ASSERT_GE(state.pressure, before - 1e-9);
+    // Plastic expansion is tan(psi) times the plastic shear strain.
+    if (k == 500) {
+      const double shear_modulus = 0.5 * state.bulk_modulus;
+      const double plastic_shear = 1e-4 - (root_j2(state) - stress) / shear_modulus;
+      EXPECT_NEAR(plastic_before - state.plastic_compression, std::tan(0.15) * plastic_shear,
+                  0.01 * std::tan(0.15) * plastic_shear);
+      checked = true;
+    }
+    before = state.pressure;
+    plastic_before = state.plastic_compression;
+  }
+  ASSERT_TRUE(checked);
+  EXPECT_NEAR(state.pressure, virgin, 1e-9 * virgin) << "as loose as it can be at this density";
+  const double limit = yield_limit_of(LawOfPoint(law), state.pressure);
+  EXPECT_NEAR(root_j2(state), std::sqrt(limit), 1e-6 * std::sqrt(limit));
+}
+
+TEST(Dilation, OfInfillThatWasNeverCompactedIsNone) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, dilation), plain = make_soil_law(m);
+  SoilState a = reference_state(law), b = reference_state(plain);
+  for (int k = 0; k < 500; ++k) {
+    StrainStep step = shear(2e-4);
+    step.strain.zz = -1e-4;
+    update_soil(law, step, a);
+    update_soil(plain, step, b);
+    ASSERT_NEAR(a.pressure, b.pressure, 1e-9 * b.pressure);
+    ASSERT_NEAR(a.deviator.xy, b.deviator.xy, 1e-9 * b.pressure);
+  }
+}
+
+TEST(Dilation, LoosenedInfillReloadsAlongAndThenOnFirstLoading) {
+  const SoilLaw law = make_soil_law(mixture_with_effects(), true, dilation);
+  SoilState state = compacted_state(law, 0.02);
+  for (int k = 0; k < 300; ++k) update_soil(law, shear(1e-4), state);
+  ASSERT_LT(state.plastic_compression, 0.0199);
+  go_to(law, state, 0.2, 2000);
+  EXPECT_NEAR(state.pressure, law.virgin(0.2).value, 1e-9 * state.pressure);
+}
+
+TEST(Dilation, BeyondTheLeastFrictionIsRefused) {
+  SoilFoamMaterial m = mixture_with_effects();
+  m.dilation_angle = 0.5;  // tan 0.546 > 0.35
+  EXPECT_THROW((void)make_soil_law(m, true, dilation), InputError);
+  m.dilation_angle = 0.33;  // tan 0.343 < 0.35, but softened to 0.28
+  EXPECT_NO_THROW((void)make_soil_law(m, true, dilation));
+  SoilEffects both = dilation;
+  both.strength_softening = true;
+  EXPECT_THROW((void)make_soil_law(m, true, both), InputError);
+}
+
+/// Energy of a volume that was 1 m^3 at the reference density.
+struct Ledger {
+  double total = 0, dissipated = 0, taken_and_given = 0, least_dissipated = 0;
+  void add(const SoilWork& work, double before, double after) {
+    const double volume = 0.5 * (std::exp(-before) + std::exp(-after));
+    total += volume * work.total;
+    dissipated += volume * work.dissipated;
+    taken_and_given += volume * std::abs(work.total);
+    least_dissipated = std::min(least_dissipated, work.dissipated);
+  }
+};
+
+/// Shears under pressure, releases most of it, shears back, presses again; elastic all along.
+Ledger out_of_phase(const SoilLaw& law, int cycles) {
+  SoilState state = reference_state(law);
+  go_to(law, state, 0.05, 1000);
+  Ledger ledger;
+  const auto move = [&](const StrainStep& step, int count) {
+    for (int k = 0; k < count; ++k) {
+      const double before = state.compression;
+      const SoilWork work = update_soil(law, step, state);
+      ledger.add(work, before, state.compression);
+    }
+  };
+  for (int k = 0; k < cycles; ++k) {
+    move(shear(2e-5), 100);
+    move(compress(-1e-5), 1000);
+    move(shear(-2e-5), 100);
+    move(compress(1e-5), 1000);
+  }
+  return ledger;
+}
+
+TEST(ShearEnergy, WithoutItACycleOfShearAndPressureOutOfPhaseGainsEnergyWithItNone) {
+  SoilFoamMaterial m = mixture_with_effects();
+  m.yield_a0 = 1e14;  // no yield: what is gained then is bounded by the strength alone
+  const SoilLaw plain = make_soil_law(m), safe = make_soil_law(m, true, shear_energy);
+  // In: G_high gamma^2/2; out, while s falls from G_high gamma: (G_high - G_low/2) gamma^2; gamma = 2e-3.
+  const double high = 0.6 * 1.5e6 * std::exp(0.5), low = high * std::exp(-1.2 * 10 * 0.01);
+  const double gain = 4e-6 * (std::exp(-0.04) * (high - 0.5 * low) - std::exp(-0.05) * 0.5 * high);
+  EXPECT_NEAR(out_of_phase(plain, 1).total, -gain, 0.003 * gain);
+  EXPECT_LT(out_of_phase(plain, 20).total, -20 * gain) << "and on and on";
+  for (const int cycles : {1, 20}) EXPECT_GT(out_of_phase(safe, cycles).total, -0.01 * gain);
+}
+
+std::vector<SoilEffects> all_combinations() {
+  std::vector<SoilEffects> all;
+  for (unsigned code = 0; code < 64; ++code)
+    if (detail::code_of(detail::effects_of(code)) == code) all.push_back(detail::effects_of(code));
+  return all;
+}
+
+/// Random steps around a compression that wanders, with turns; Visit sees each.
+template <class Visit>
+void random_path(const SoilLaw& law, unsigned seed, int steps, double size, SoilState& state, Visit&& visit) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> any(0, size);
+  SymmetricTensor direction;
+  for (int k = 0; k < steps; ++k) {
+    // Directions last for some steps, so that yield, unloading and tension are all reached.
+    if (k % 25 == 0)
+      direction = {any(random), any(random), any(random), any(random), any(random), any(random)};
+    const double back = 0.01 * (0.06 - state.compression) * size / 1e-3;
+    StrainStep step{direction, {any(random), any(random), any(random)}, 1e-4};
+    step.strain.xx -= back, step.strain.yy -= back, step.strain.zz -= back;
+    const double before = state.compression;
+    const SoilWork work = update_soil(law, step, state);
+    visit(work, before);
+  }
+}
+
+TEST(SoilEffectsTogether, DissipateAndNeverReturnMoreThanWasPutIn) {
+  int combination = 0;
+  for (const SoilEffects& effects : all_combinations()) {
+    const SoilLaw law = make_soil_law(mixture_with_effects(), true, effects);
+    SoilState state = reference_state(law);
+    Ledger ledger;
+    double least_total = 0;
+    random_path(law, 11, 8000, 1e-3, state, [&](const SoilWork& work, double before) {
+      ledger.add(work, before, state.compression);
+      least_total = std::min(least_total, ledger.total);
+    });
+    EXPECT_GE(ledger.least_dissipated, -1e-9) << combination;
+    EXPECT_GE(least_total, -1e-9 * ledger.taken_and_given) << combination;
+    EXPECT_GT(ledger.dissipated, 0) << combination;
+    ++combination;
+  }
+  EXPECT_EQ(combination, 48);
+}
+
+TEST(SoilEffectsTogether, WorkLessDissipationIsTheEnergyOfTheStateWhereShearKeepsIts) {
+  // The finer the path, the nearer. Without the effect the difference stays.
+  for (SoilEffects effects : all_combinations()) {
+    if (!effects.shear_energy) continue;
+    const SoilLaw law = make_soil_law(mixture_with_effects(), true, effects);
+    const auto error = [&](double size, int steps) {
+      SoilState state = reference_state(law);
+      Ledger ledger;
+      random_path(law, 5, steps, size, state,
+                  [&](const SoilWork& work, double before) { ledger.add(work, before, state.compression); });
+      const double stored = std::exp(-state.compression) * stored_energy(law, state);
+      return std::abs(ledger.total - ledger.dissipated - stored) / ledger.taken_and_given;
+    };
+    EXPECT_LT(error(2e-4, 8000), 0.02) << "effects " << detail::code_of(effects);
+  }
+}
+
+void expect_rejected(const SoilFoamMaterial& material, const SoilEffects& effects, const std::string& words) {
+  try {
+    (void)make_soil_law(material, true, effects);
+    FAIL() << "accepted, expected: " << words;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+  }
+}
+
+TEST(SoilEffectsTogether, RejectParametersOutOfRangeByName) {
+  SoilFoamMaterial m = mixture_with_effects();
+  m.density_hardening->modulus_exponent = -1;
+  expect_rejected(m, hardening, "density_hardening.modulus_exponent is -1");
+  EXPECT_NO_THROW((void)make_soil_law(m, true, dilation)) << "of an effect that is off nothing is asked";
+  m = mixture_with_effects();
+  m.strength_softening->residual_friction = 0;
+  expect_rejected(m, softening, "strength_softening.residual_friction is 0");
+  m = mixture_with_effects();
+  m.strength_softening->strain = 0;
+  expect_rejected(m, softening, "strength_softening.strain is 0");
+  m = mixture_with_effects();
+  m.strength_recovery->time = -1;
+  expect_rejected(m, recovery, "strength_recovery.time is -1");
+  m = mixture_with_effects();
+  m.strength_rate->reference = 0;
+  expect_rejected(m, rate, "strength_rate.reference is 0");
+}
+
+}  // namespace
+}  // namespace tuft::sph
