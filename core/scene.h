@@ -322,6 +322,7 @@ struct Numerics {
   bool subcycle_carpet = false;      ///< the carpet's slower material at a multiple of its faster one's step
   double coupling_window = 0;        ///< s; 0: the larger of the carpet's and the infill's step
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
+  double sleep_tolerance = 0;            ///< strain under which SPH infill at rest sleeps; 0: none does
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch
   double shell_contact_radius =

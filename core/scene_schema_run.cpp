@@ -108,6 +108,8 @@ void describe_effects(KeyVisitor& keys, Effects& effects) {
 
 void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled) {
   keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
+  keys.number({"sleep_tolerance", "strain of waves under which SPH infill at rest is not computed; 0: all is"},
+              numerics.sleep_tolerance, {0, 1, false, true});
   if (!coupled) {
     keys.number({"energy_error_limit", "relative energy error that stops the run"},
                 numerics.energy_error_limit, positive);

@@ -30,7 +30,8 @@ std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDe
   const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
                                   effect_on(effects, "tension_cutoff"),
-                                  effect_on(effects, "zero_energy_control"), soil_effects(effects)};
+                                  effect_on(effects, "zero_energy_control"),
+                                  scene.numerics.sleep_tolerance, soil_effects(effects)};
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 

@@ -103,7 +103,7 @@ struct PackSums {
     Pack until_now = 0, whole = 0;
   };
   Pack kinetic = 0, gravity_potential = 0;
-  Work viscous, damping, contact;
+  Work viscous, damping, contact, holding;
   std::array<Pack, 3> impulse{}, impulse_scale{};
 
   [[nodiscard]] KickSums sum() const {
@@ -111,8 +111,15 @@ struct PackSums {
     const auto vector = [](const std::array<Pack, 3>& v) {
       return Vec3(sum_lanes(v[0]), sum_lanes(v[1]), sum_lanes(v[2]));
     };
-    return {sum_lanes(kinetic), sum_lanes(gravity_potential), work(viscous), work(damping), work(contact),
-            vector(impulse),    vector(impulse_scale)};
+    return {sum_lanes(kinetic),
+            sum_lanes(gravity_potential),
+            work(viscous),
+            work(damping),
+            work(contact),
+            work(holding),
+            vector(impulse),
+            vector(impulse_scale),
+            0};
   }
 };
 
@@ -123,10 +130,15 @@ std::vector<double>& axis_of(Vec3Array& v, std::size_t axis) {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
+/// Squares of speed and of the acceleration that particles have, or would have if they were not held.
+struct Motion {
+  Pack speed = 0, acceleration = 0;  ///< (m/s)^2, (m/s^2)^2
+};
+
 /// One component of the kick of `count` particles from i on.
 template <class Chosen>
 void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis, std::size_t i,
-                    std::size_t count, Particles& p, PackSums& total) {
+                    std::size_t count, bool held, Particles& p, Motion& motion, PackSums& total) {
   const auto of = [&](const std::vector<double>& values) { return load_lanes(values, i, count); };
   const Pack mass = of(p.mass), before = of(axis_of(p.velocity, axis));
   const Pack viscous_force = forces.viscous[axis];
@@ -137,8 +149,11 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   const Pack contact_change = impulse / mass;
   // Damping by the mean of the velocities before and after: unconditionally stable, and its work is exact.
   const double half_damping = 0.5 * kick.damping * t;
-  const Pack after =
+  const Pack free =
       ((1 - half_damping) * before + t * (force / mass + gravity) + contact_change) / (1 + half_damping);
+  const Pack after = held ? Pack(0.0) : free;
+  motion.speed += before * before;
+  motion.acceleration += (free - before) * (free - before) / (t * t);
   store_lanes(after, axis_of(p.velocity, axis), i, count);
 
   const Pack mean = 0.5 * (before + after);
@@ -153,21 +168,67 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   if constexpr (Chosen::dissipative) add_work(total.viscous, -t * viscous_force);
   add_work(total.damping, kick.damping * t * mass * mean);
   add_work(total.contact, impulse);
+  if (held) add_work(total.holding, mass * (1 + half_damping) * free);
   const Pack received = only(mass * contact_change, count);
   total.impulse[axis] += received;
   total.impulse_scale[axis] += stdx::abs(received);
 }
 
+/// held: velocities become zero. measured: unrest is found.
 template <class Chosen, class KernelType>
 KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
-                    const Kick& kick, std::size_t begin, std::size_t end, Particles& p) {
+                    const Kick& kick, bool held, bool measured, std::size_t begin, std::size_t end,
+                    Particles& p) {
   PackSums total;
+  Pack unrest_squared = 0;
   for (std::size_t i = begin; i < end; i += lanes) {
+    const std::size_t count = std::min(lanes, end - i);
     const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
+    Motion motion;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      kick_component<Chosen>(kick, forces, axis, i, std::min(lanes, end - i), p, total);
+      kick_component<Chosen>(kick, forces, axis, i, count, held, p, motion, total);
+    if (!measured) continue;
+    const Pack c([&](std::size_t l) { return double(p.stress[i + (l < count ? l : 0)].wave_speed); });
+    const Pack bend = settings.options.smoothing_length / (c * c);
+    unrest_squared =
+        stdx::max(unrest_squared, stdx::max(motion.speed / (c * c), bend * bend * motion.acceleration));
   }
-  return total.sum();
+  KickSums sums = total.sum();
+  sums.unrest = std::sqrt(-smallest_lane(-unrest_squared));
+  return sums;
+}
+
+/// Kick of a block that is held as long as its unrest allows: as if it were free first, to know it.
+template <class Chosen, class KernelType>
+KickSums kick_held_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
+                         const Kick& kick, const Sleep& sleep, std::size_t begin, std::size_t end,
+                         Particles& p) {
+  const std::size_t block = begin / block_size;
+  KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, false, true, begin, end, p);
+  if (sleep.wakes(sums.unrest)) return sums;
+  for (std::size_t i = begin; i < end; ++i)
+    p.velocity.set(i, {p.motion[i].vx, p.motion[i].vy, p.motion[i].vz});  // that before the kick
+  if (!sleep.has_settled(block)) {
+    const double unrest = sums.unrest;
+    sums = kick_block<Chosen>(kernel, settings, list, kick, true, false, begin, end, p);
+    sums.unrest = unrest;
+    return sums;
+  }
+  // It had no velocity and has none: no work was done.
+  sums.kinetic = 0;
+  sums.viscous = sums.damping = sums.contact = sums.holding = {};
+  return sums;
+}
+
+/// A sleeping block takes what contact gives it, without moving.
+void take_impulses(const Kick& kick, std::size_t begin, std::size_t end, KickSums& sums) {
+  sums.impulse = sums.impulse_scale = Vec3::Zero();
+  if (!kick.impulse) return;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3 given = kick.impulse_share * (*kick.impulse)[i];
+    sums.impulse += given;
+    sums.impulse_scale += given.cwiseAbs();
+  }
 }
 
 }  // namespace
@@ -178,16 +239,21 @@ KickSums& KickSums::operator+=(const KickSums& other) {
   viscous += other.viscous;
   damping += other.damping;
   contact += other.contact;
+  holding += other.holding;
   impulse += other.impulse;
   impulse_scale += other.impulse_scale;
   return *this;
 }
 
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
-              std::vector<KickSums>& blocks) {
+              std::vector<KickSums>& blocks, const Sleep* sleep) {
   const auto pass = [&](auto chosen, const auto kernel) {
-    for_blocks(particles.size(), [&](std::size_t b, std::size_t begin, std::size_t end) {
-      blocks[b] = kick_block<decltype(chosen)>(kernel, settings, list, kick, begin, end, particles);
+    for_blocks(particles.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
+      blocks[b] =
+          sleep && sleep->is_held(b)
+              ? kick_held_block<decltype(chosen)>(kernel, settings, list, kick, *sleep, begin, end, particles)
+              : kick_block<decltype(chosen)>(kernel, settings, list, kick, false, sleep != nullptr, begin,
+                                             end, particles);
     });
   };
   with_kernel(settings.options, [&](const auto kernel) {
@@ -200,13 +266,19 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
     else
       pass(Forces<false, false>(), kernel);
   });
+  if (sleep)
+    for_blocks(particles.size(), nullptr, [&](std::size_t b, std::size_t begin, std::size_t end) {
+      if (sleep->is_asleep(b)) take_impulses(kick, begin, end, blocks[b]);
+    });
   KickSums sum;
   for (const KickSums& block : blocks) sum += block;
   return sum;
 }
 
-DriftCheck drift(double dt, const Vec3& frame, Particles& p, std::vector<DriftCheck>& blocks) {
-  for_blocks(p.size(), [&](std::size_t b, std::size_t begin, std::size_t end) {
+DriftCheck drift(double dt, const Vec3& frame, Particles& p, std::vector<DriftCheck>& blocks,
+                 const Sleep* sleep) {
+  if (sleep) std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true});
+  for_blocks(p.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
     const Vec3Array& v = p.velocity;
     double largest = 0, finite = 0, sum_x = 0, sum_y = 0, sum_z = 0;
 #pragma omp simd reduction(max : largest) reduction(+ : finite, sum_x, sum_y, sum_z)

@@ -9,7 +9,8 @@
 namespace tuft::sph {
 namespace {
 
-/// Cells smaller than the reach waste fewer candidates: 5^3 half cells hold 0.58 of what 3^3 whole ones do.
+/// Cells of half the width that is searched waste fewer candidates: 5^3 half cells hold 0.58 of what 3^3
+/// whole ones do.
 constexpr std::size_t cells_per_reach = 2;
 
 /// Some of 64 particles with consecutive indices.
@@ -66,7 +67,7 @@ struct NeighbourList::Scratch {
 };
 
 NeighbourList::NeighbourList(const Vec3Array& positions, double support, double skin)
-    : reach_(support + skin), skin_(skin), cell_size_(reach_ / cells_per_reach) {
+    : reach_(support + skin), skin_(skin), cell_size_((reach_ + 0.5 * skin) / cells_per_reach) {
   const std::array<const std::vector<double>*, 3> component{&positions.x, &positions.y, &positions.z};
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [low, high] = std::minmax_element(component[d]->begin(), component[d]->end());
@@ -174,27 +175,46 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
   scratch.rows_size = longest * lanes;
 }
 
-void NeighbourList::build(const Vec3Array& positions) {
+void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b) {
+  static thread_local Scratch scratch;
   const std::size_t n = positions.size();
-  sort_into_cells(positions);
-  constexpr std::size_t block_particles = groups_per_block * lanes;
-  blocks_.resize((n + block_particles - 1) / block_particles);
-  parallel_for(blocks_.size(), [&](std::size_t b) {
-    static thread_local Scratch scratch;
-    Block& block = blocks_[b];
-    scratch.entries.clear();
-    for (std::size_t g = 0; g < groups_per_block; ++g) {
-      const std::size_t begin = b * block_particles + g * lanes, end = std::min(n, begin + lanes);
-      if (begin < n) {
-        find_candidates(positions, begin, end, scratch);
-        find_rows(positions, begin, end, scratch);
-        scratch.entries.insert(scratch.entries.end(), scratch.rows.begin(),
-                               scratch.rows.begin() + static_cast<std::ptrdiff_t>(scratch.rows_size));
-      }
-      block.begin[g + 1] = static_cast<std::uint32_t>(scratch.entries.size());
+  Block& block = blocks_[b];
+  scratch.entries.clear();
+  for (std::size_t g = 0; g < groups_per_block; ++g) {
+    const std::size_t begin = b * block_size + g * lanes, end = std::min(n, begin + lanes);
+    if (begin < n) {
+      find_candidates(positions, begin, end, scratch);
+      find_rows(positions, begin, end, scratch);
+      scratch.entries.insert(scratch.entries.end(), scratch.rows.begin(),
+                             scratch.rows.begin() + static_cast<std::ptrdiff_t>(scratch.rows_size));
     }
-    block.entries.assign(scratch.entries.begin(), scratch.entries.end());
-  });
+    block.begin[g + 1] = static_cast<std::uint32_t>(scratch.entries.size());
+  }
+  block.entries.assign(scratch.entries.begin(), scratch.entries.end());
+  block.made = begun_;
+}
+
+void NeighbourList::begin(const Vec3Array& positions) {
+  sort_into_cells(positions);
+  blocks_.resize((positions.size() + block_size - 1) / block_size);
+  ++begun_;
+}
+
+// A particle has moved by up to skin/2 since it was sorted into its cell, which the size of cells allows for:
+// rows are those of the present positions, whenever they are made. Their particles may move on by less than
+// skin/2.
+std::span<const Index> NeighbourList::complete(const Vec3Array& positions, std::span<const Index> blocks) {
+  to_make_.clear();
+  for (const Index b : blocks)
+    if (blocks_[static_cast<std::size_t>(b)].made != begun_) to_make_.push_back(b);
+  parallel_for(to_make_.size(),
+               [&](std::size_t k) { make_rows(positions, static_cast<std::size_t>(to_make_[k])); });
+  return to_make_;
+}
+
+void NeighbourList::build(const Vec3Array& positions) {
+  begin(positions);
+  parallel_for(blocks_.size(), [&](std::size_t b) { make_rows(positions, b); });
 }
 
 std::vector<Index> NeighbourList::row(std::size_t i) const {

@@ -1,11 +1,16 @@
 #pragma once
 /// Neighbour (Verlet) list from a cell list, with a skin so that it serves many steps.
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/lanes.h"
 
 namespace tuft::sph {
+
+/// Particles of one partial sum, and of what a thread works on at a time.
+inline constexpr std::size_t block_size = 256;
 
 /// Rows are sorted by index. A sum over a row in that order, to which pairs beyond the support add exact
 /// zeros, does not depend on when the list was built: a run has the same bits with any skin, for any number
@@ -30,6 +35,13 @@ class NeighbourList {
 
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
+  /// The same in parts. `begin` makes all rows out of date; `complete` brings those of some blocks of
+  /// particles up to date, at any time before a particle has moved farther than `allowed_displacement` since,
+  /// and returns the blocks whose rows it had to make.
+  void begin(const Vec3Array& positions);
+  std::span<const Index> complete(const Vec3Array& positions, std::span<const Index> blocks);
+  [[nodiscard]] bool is_complete(std::size_t block) const { return blocks_[block].made == begun_; }
+  void make_out_of_date(std::size_t block) { blocks_[block].made = begun_ - 1; }
 
   /// While no particle has moved farther than half the skin since the last build, by whatever frame common to
   /// all, no pair within the support is missed.
@@ -43,10 +55,11 @@ class NeighbourList {
   [[nodiscard]] std::vector<Index> row(std::size_t i) const;
 
  private:
-  static constexpr std::size_t groups_per_block = 32;
+  static constexpr std::size_t groups_per_block = block_size / lanes;
   /// Rows of some groups, stored apart so that threads build them without waiting for each other.
   struct Block {
     std::array<std::uint32_t, groups_per_block + 1> begin{};
+    std::uint32_t made = 0;  ///< the `begin` it belongs to
     std::vector<Index> entries;
   };
   /// What one thread needs to build rows.
@@ -56,6 +69,7 @@ class NeighbourList {
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
   void find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
                        Scratch& scratch) const;
+  void make_rows(const Vec3Array& positions, std::size_t block);
   void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
 
   double reach_ = 0, skin_ = 0, cell_size_ = 1;
@@ -63,7 +77,9 @@ class NeighbourList {
   std::array<std::size_t, 3> cells_{1, 1, 1};
   std::vector<std::uint32_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
   std::vector<Index> cell_particle_;
+  std::uint32_t begun_ = 0;  ///< calls of `begin`
   std::vector<Block> blocks_;
+  std::vector<Index> to_make_;  ///< scratch of `complete`
 };
 
 }  // namespace tuft::sph

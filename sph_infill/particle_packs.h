@@ -6,16 +6,19 @@
 #include "core/lane_math.h"
 #include "core/parallel.h"
 #include "sph_infill/kernel.h"
+#include "sph_infill/sleep.h"
 #include "sph_infill/sph_loops.h"
 
 namespace tuft::sph {
 
-/// Calls work(block, begin, end) for each block of particles, on all threads.
+/// Calls work(block, begin, end) for each block of particles that is computed, on all threads; sleep: null
+/// where none sleeps.
 template <class Work>
-void for_blocks(std::size_t count, Work&& work) {
-  const std::size_t blocks = (count + block_size - 1) / block_size;
-  parallel_for(blocks,
-               [&](std::size_t b) { work(b, b * block_size, std::min(count, (b + 1) * block_size)); });
+void for_blocks(std::size_t count, const Sleep* sleep, Work&& work) {
+  const auto at = [&](std::size_t b) { work(b, b * block_size, std::min(count, (b + 1) * block_size)); };
+  if (!sleep) return parallel_for((count + block_size - 1) / block_size, at);
+  const std::span<const Index> computed = sleep->computed();
+  parallel_for(computed.size(), [&](std::size_t k) { at(static_cast<std::size_t>(computed[k])); });
 }
 
 /// Calls body(kernel) with the chosen kernel as a value of its own type.

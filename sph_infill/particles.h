@@ -29,7 +29,7 @@ struct StressRecord {
   std::array<float, 9> v_sigma_b;  ///< V sigma B by rows, N m: the half of the pair force a particle brings
   float viscous_linear,
       viscous_quadratic;  ///< factors of the viscous pair force: sqrt(m V) sqrt(c), sqrt(m V)
-  float unused;
+  float wave_speed;       ///< m/s
 
   static constexpr std::size_t values = 12;
 };

@@ -1,4 +1,4 @@
-#include <cmath>
+#include <algorithm>
 #include <string>
 
 #include "core/error.h"
@@ -39,6 +39,7 @@ void visit_numbers(ImplType& m, Visit&& visit) {
   visit("pending_viscous", m.pending.viscous);
   visit("pending_damping", m.pending.damping);
   visit("pending_contact", m.pending.contact);
+  visit("pending_holding", m.pending.holding);
 }
 
 std::vector<double> read_array(const h5::Group& group, const std::string& name, std::size_t count) {
@@ -51,6 +52,18 @@ std::vector<double> read_array(const h5::Group& group, const std::string& name, 
   return values;
 }
 
+/// Records of floats as plain values, and back.
+template <class Record>
+std::vector<double> values_of(const std::vector<Record>& records) {
+  const auto* first = reinterpret_cast<const float*>(records.data());
+  return {first, first + records.size() * Record::values};
+}
+template <class Record>
+void set_values(const std::vector<double>& values, std::vector<Record>& records) {
+  auto* first = reinterpret_cast<float*>(records.data());
+  std::transform(values.begin(), values.end(), first, [](double v) { return static_cast<float>(v); });
+}
+
 }  // namespace
 
 void SphInfill::save(h5::Group& group) {
@@ -59,6 +72,39 @@ void SphInfill::save(h5::Group& group) {
               [&](const char* name, const std::vector<double>& values) { group.write(name, values); });
   visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
+  if (m.sleep.enabled()) m.save_sleep(group);
+}
+
+// What is asleep is not computed again: what its neighbours read of it is part of the state.
+void SphInfill::Impl::save_sleep(h5::Group& group) const {
+  sleep.save(group, list);
+  group.write_scalar("displacement", displacement);
+  group.write("frame", std::vector<double>(frame.data(), frame.data() + 3));
+  std::vector<double> potential, stable;
+  for (const KickSums& block : kick_blocks) potential.push_back(block.gravity_potential);
+  for (const StressSums& block : stress_blocks) stable.push_back(block.stable_step);
+  group.write("block_gravity_potential", potential);
+  group.write("block_stable_step", stable);
+  group.write("stress_records", values_of(particles.stress));
+  group.write("residual_records", values_of(particles.residual));
+}
+
+void SphInfill::Impl::load_sleep(const h5::Group& group) {
+  sleep.load(group, list);
+  displacement = group.read_double("displacement");
+  const std::vector<double> moving = read_array(group, "frame", 3);
+  frame = Vec3(moving[0], moving[1], moving[2]);
+  const std::vector<double> potential = read_array(group, "block_gravity_potential", kick_blocks.size()),
+                            stable = read_array(group, "block_stable_step", stress_blocks.size());
+  for (std::size_t b = 0; b < potential.size(); ++b) {
+    kick_blocks[b] = {};
+    kick_blocks[b].gravity_potential = potential[b];
+    stress_blocks[b].stable_step = stable[b];
+  }
+  set_values(read_array(group, "stress_records", particles.stress.size() * StressRecord::values),
+             particles.stress);
+  set_values(read_array(group, "residual_records", particles.residual.size() * ResidualRecord::values),
+             particles.residual);
 }
 
 void SphInfill::load(const h5::Group& group) {
@@ -69,7 +115,8 @@ void SphInfill::load(const h5::Group& group) {
   visit_numbers(m, [&](const char* name, double& value) { value = group.read_double(name); });
   m.particle_steps = group.read_count("particle_steps");
   m.particles.record_motion();
-  m.build_list();
+  m.list.build(m.particles.position);
+  if (m.sleep.enabled()) m.load_sleep(group);
 }
 
 }  // namespace tuft::sph

@@ -87,7 +87,9 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   m.kick_blocks.resize(block_count(p));
   m.drift_blocks.resize(block_count(p));
   m.list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * lattice.pitch);
-  m.build_list();
+  m.sleep = Sleep(settings.sleep_tolerance, settings.options.smoothing_length, n);
+  m.list.build(p.position);
+  m.note_neighbours();
   // A step of no length evaluates what depends on the state alone, the stable step among it.
   m.stable_step = update_stress(m.settings, m.list, 0, p, m.stress_blocks).stable_step;
 }
@@ -121,6 +123,7 @@ void SphInfill::set_damping(double rate) {
 void SphInfill::set_velocity(std::size_t i, const Vec3& v) {
   impl_->particles.velocity.set(i, v);
   impl_->particles.record_motion(i);
+  impl_->sleep.wake(i / block_size);
 }
 
 double SphInfill::mean_neighbours() const {
@@ -155,23 +158,25 @@ AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpul
 }
 
 KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
-  if (displacement > list.allowed_displacement()) build_list();
+  const Sleep* sleeping = sleep.enabled() ? &sleep : nullptr;
+  prepare(impulse, dt / impulse_share);
 
-  const StressSums stress = update_stress(settings, list, step_before, particles, stress_blocks);
+  const StressSums stress = update_stress(settings, list, step_before, particles, stress_blocks, sleeping);
   if (!stress.valid) report_invalid_stress();
   stable_step = stress.stable_step;
 
   const Kick now{step_before, dt, gravity, damping, impulse, impulse_share};
-  const KickSums kicked = kick(settings, list, now, particles, kick_blocks);
+  const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping);
   record_energy(stress, kicked);
 
-  const DriftCheck moved = drift(dt, frame, particles, drift_blocks);
+  const DriftCheck moved = drift(dt, frame, particles, drift_blocks, sleeping);
   if (!moved.valid) report_invalid_motion();
   displacement += dt * std::sqrt(moved.largest_speed_squared);
   frame = moved.velocity_sum / static_cast<double>(particles.size());
   time += dt;
   step_before = dt;
-  particle_steps += particles.size();
+  particle_steps += sleep.computed_particles();
+  if (sleeping) sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; });
   return kicked;
 }
 
@@ -186,13 +191,30 @@ void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& ki
   };
   energy.dissipated += stress.plastic;
   account(energy.dissipated, pending.viscous, kicked.viscous);
+  account(energy.dissipated, pending.holding, kicked.holding);
   account(energy.damping, pending.damping, kicked.damping);
   account(energy.contact_work, pending.contact, kicked.contact);
 }
 
-void SphInfill::Impl::build_list() {
-  list.build(particles.position);
-  displacement = 0;
+void SphInfill::Impl::note_neighbours() {
+  sleep.find_moving();
+  sleep.set_neighbours(list, sleep.moving());
+}
+
+void SphInfill::Impl::prepare(const Vec3Array* impulse, double window) {
+  const bool stale = displacement > list.allowed_displacement();
+  if (stale) displacement = 0;
+  if (!sleep.enabled()) {
+    if (stale) list.build(particles.position);
+    return;
+  }
+  // Rows of sleeping blocks are made when they are needed. Of what moves first: it decides which are on
+  // guard.
+  if (stale) list.begin(particles.position);
+  sleep.find_moving();
+  sleep.set_neighbours(list, list.complete(particles.position, sleep.moving()));
+  sleep.choose(particles, impulse, window);
+  sleep.set_neighbours(list, list.complete(particles.position, sleep.computed()));
 }
 
 void SphInfill::Impl::report_invalid_stress() const {

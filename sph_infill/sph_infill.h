@@ -34,6 +34,7 @@ struct SphSettings {
   bool artificial_viscosity = true;
   bool tension_cutoff = true;
   bool zero_energy_control = false;
+  double sleep_tolerance = 0;  ///< strain, see sleep.h; 0: nothing sleeps
   SoilEffects soil_effects;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 /// What SphInfill holds; shared by its stepping and its checkpoints.
+#include "sph_infill/sleep.h"
 #include "sph_infill/sph_infill.h"
 #include "sph_infill/sph_loops.h"
 
@@ -10,6 +11,7 @@ struct SphInfill::Impl {
   Vec3 gravity{0, 0, 0};
   Particles particles;
   NeighbourList list;
+  Sleep sleep;
 
   double time = 0;         ///< s, t_k of the positions
   double step_before = 0;  ///< s, drift that led to t_k; 0 at the start of a run
@@ -22,15 +24,20 @@ struct SphInfill::Impl {
   InfillEnergy energy;  ///< as of the last force evaluation
   /// Works of the part of the last kick that lies after that moment.
   struct {
-    double viscous = 0, damping = 0, contact = 0;
+    double viscous = 0, damping = 0, contact = 0, holding = 0;
   } pending;
   std::vector<StressSums> stress_blocks;
   std::vector<KickSums> kick_blocks;
   std::vector<DriftCheck> drift_blocks;
 
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
+  void save_sleep(h5::Group& group) const;
+  void load_sleep(const h5::Group& group);
   void record_energy(const StressSums& stress, const KickSums& kicked);
-  void build_list();
+  /// After the whole list was built.
+  void note_neighbours();
+  /// Makes the neighbours of all that will be computed known, and chooses what that is.
+  void prepare(const Vec3Array* impulse, double window);
   [[noreturn]] void report_invalid_stress() const;
   [[noreturn]] void report_invalid_motion() const;
 };

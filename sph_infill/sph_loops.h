@@ -49,8 +49,7 @@ namespace tuft::sph {
 /// compressed.
 inline constexpr double smallest_density_ratio = 0.2, largest_density_ratio = 5;
 
-/// Particles of one partial sum.
-inline constexpr std::size_t block_size = 256;
+class Sleep;
 
 struct LoopSettings {
   SphOptions options;
@@ -70,9 +69,10 @@ struct StressSums {
 };
 
 /// Pass 1: velocity gradient at t_k, stress from t_{k-1} to t_k (drift of length dt; 0 at the start of a
-/// run), Q, volumes, largest stable step. `blocks` is scratch of block_count(particles).
+/// run), Q, volumes, largest stable step. `blocks` has block_count(particles) entries; those of sleeping
+/// blocks stay. sleep: null where none sleeps.
 StressSums update_stress(const LoopSettings& settings, const NeighbourList& list, double dt,
-                         Particles& particles, std::vector<StressSums>& blocks);
+                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep = nullptr);
 
 /// One kick from t_k - dt_before/2 to t_k + dt/2.
 struct Kick {
@@ -108,13 +108,15 @@ struct KickSums {
   double gravity_potential = 0;                   ///< -m g . x
   KickWork viscous, damping;                      ///< taken out
   KickWork contact;                               ///< put in
+  KickWork holding;                               ///< taken out, to hold particles still
   Vec3 impulse{0, 0, 0}, impulse_scale{0, 0, 0};  ///< N s
+  double unrest = 0;                              ///< of a block, not summed; see sleep.h
   KickSums& operator+=(const KickSums& other);
 };
 
 /// Pass 2: forces at t_k; velocities become those at t_k + dt/2.
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
-              std::vector<KickSums>& blocks);
+              std::vector<KickSums>& blocks, const Sleep* sleep = nullptr);
 
 /// What the drift finds.
 struct DriftCheck {
@@ -124,7 +126,8 @@ struct DriftCheck {
 };
 
 /// Moves positions by dt and renews the records of motion. frame: m/s, speeds are measured relative to it.
-DriftCheck drift(double dt, const Vec3& frame, Particles& particles, std::vector<DriftCheck>& blocks);
+DriftCheck drift(double dt, const Vec3& frame, Particles& particles, std::vector<DriftCheck>& blocks,
+                 const Sleep* sleep = nullptr);
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {

@@ -85,8 +85,8 @@ PackMask is_valid(const SoilStateOf<Pack>& state) {
 
 /// V sigma B, the half of the pair force that a particle brings, and its viscous factors.
 void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorOf<Pack>& correction,
-                          const Pack& volume, const Pack& viscous_linear, const Pack& viscous_quadratic,
-                          std::size_t i, std::size_t count, Particles& p) {
+                          const Pack& volume, const Pack& wave_speed, const Pack& viscous_linear,
+                          const Pack& viscous_quadratic, std::size_t i, std::size_t count, Particles& p) {
   SymmetricTensorOf<Pack> force = state.deviator;
   force.xx -= state.pressure, force.yy -= state.pressure, force.zz -= state.pressure;
   const TensorOf<Pack> q = dot(volume * force, correction);
@@ -96,6 +96,7 @@ void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorO
     for (std::size_t c = 0; c < 9; ++c) record.v_sigma_b[c] = static_cast<float>((*component[c])[l]);
     record.viscous_linear = static_cast<float>(viscous_linear[l]);
     record.viscous_quadratic = static_cast<float>(viscous_quadratic[l]);
+    record.wave_speed = static_cast<float>(wave_speed[l]);
   }
 }
 
@@ -167,7 +168,7 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
     quadratic = stdx::sqrt(mass * volume);
     linear = quadratic * stdx::sqrt(wave_speed);
   }
-  store_stress_records(state, correction, volume, linear, quadratic, i, count, p);
+  store_stress_records(state, correction, volume, wave_speed, linear, quadratic, i, count, p);
   if (settings.zero_energy_control)
     store_residual_records(settings.options.zero_energy_viscosity * settings.options.smoothing_length,
                            velocity_gradient, fitted, modulus, mass, volume, i, count, p);
@@ -215,17 +216,19 @@ GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& li
 }
 
 StressSums update_stress(const LoopSettings& settings, const NeighbourList& list, double dt,
-                         Particles& particles, std::vector<StressSums>& blocks) {
+                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep) {
   with_kernel(settings.options, [&](const auto kernel) {
-    for_blocks(particles.size(), [&](std::size_t b, std::size_t begin, std::size_t end) {
+    for_blocks(particles.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
       blocks[b] = update_block(kernel, settings, list, dt, begin, end, particles);
     });
   });
   StressSums sum;
-  for (const StressSums& block : blocks) {
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const StressSums& block = blocks[b];
+    sum.stable_step = std::min(sum.stable_step, block.stable_step);
+    if (sleep && sleep->is_asleep(b)) continue;
     sum.work += block.work;
     sum.plastic += block.plastic;
-    sum.stable_step = std::min(sum.stable_step, block.stable_step);
     sum.valid = sum.valid && block.valid;
   }
   return sum;

@@ -1,0 +1,171 @@
+#include "sph_infill/sleep.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "sph_infill/sph_loops.h"
+
+namespace tuft::sph {
+namespace {
+
+constexpr std::array contact_names{"sleep_contact_x", "sleep_contact_y", "sleep_contact_z"};
+
+}  // namespace
+
+Sleep::Sleep(double tolerance, double smoothing_length, std::size_t particles)
+    : tolerance_(tolerance), smoothing_length_(smoothing_length), particles_(particles) {
+  const std::size_t blocks = (particles + block_size - 1) / block_size;
+  for (std::size_t b = 0; b < blocks; ++b) computed_.push_back(static_cast<Index>(b));
+  if (!enabled()) return;
+  held_.assign(blocks, 0);
+  computed_now_.assign(blocks, 1);
+  quiet_.assign(blocks, 0);
+  neighbours_.resize(blocks);
+  for (auto& force : contact_) force.assign(particles, 0);
+}
+
+std::size_t Sleep::computed_particles() const {
+  const bool last =
+      !computed_.empty() && (static_cast<std::size_t>(computed_.back()) + 1) * block_size > particles_;
+  return computed_.size() * block_size - (last ? (block_size - particles_ % block_size) % block_size : 0);
+}
+
+void Sleep::find_moving() {
+  moving_.clear();
+  for (std::size_t b = 0; b < held_.size(); ++b)
+    if (is_moving(b)) moving_.push_back(static_cast<Index>(b));
+}
+
+void Sleep::set_neighbours(const NeighbourList& list, std::span<const Index> blocks) {
+  parallel_for(blocks.size(), [&](std::size_t k) {
+    const auto b = static_cast<std::size_t>(blocks[k]);
+    std::vector<Index>& found = neighbours_[b];
+    found.clear();
+    for (std::size_t g = b * (block_size / lanes);
+         g < (b + 1) * (block_size / lanes) && g * lanes < particles_; ++g) {
+      const NeighbourList::GroupRows rows = list.group(g);
+      for (std::size_t e = 0; e < rows.length * lanes; ++e) {
+        const auto other = static_cast<Index>(static_cast<std::size_t>(rows.first[e]) / block_size);
+        if (found.empty() || found.back() != other) found.push_back(other);
+      }
+      std::sort(found.begin(), found.end());
+      found.erase(std::unique(found.begin(), found.end()), found.end());
+    }
+  });
+}
+
+bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec3Array& impulses,
+                                double window) const {
+  const std::size_t end = std::min(particles_, (block + 1) * block_size);
+  // Half the tolerance: the rest of it may be there already.
+  const double share = 0.5 * tolerance_ / smoothing_length_ * window;
+  for (std::size_t i = block * block_size; i < end; ++i) {
+    const double c = p.stress[i].wave_speed, allowed = share * c * c * p.mass[i];
+    const double dx = impulses.x[i] - window * contact_[0][i], dy = impulses.y[i] - window * contact_[1][i],
+                 dz = impulses.z[i] - window * contact_[2][i];
+    if (dx * dx + dy * dy + dz * dz > allowed * allowed) return true;
+  }
+  return false;
+}
+
+void Sleep::remember_contact(std::size_t block, const Vec3Array* impulses, double window) {
+  const std::size_t end = std::min(particles_, (block + 1) * block_size);
+  for (std::size_t i = block * block_size; i < end; ++i) {
+    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] / window) : 0;
+    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] / window) : 0;
+    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] / window) : 0;
+  }
+}
+
+void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double window) {
+  if (!enabled()) return;
+  const std::size_t blocks = held_.size();
+  std::fill(computed_now_.begin(), computed_now_.end(), std::uint8_t{0});
+  for (const Index m : moving_) {
+    computed_now_[static_cast<std::size_t>(m)] = 1;
+    for (const Index other : neighbours_[static_cast<std::size_t>(m)])
+      computed_now_[static_cast<std::size_t>(other)] = 1;
+  }
+  parallel_for(blocks, [&](std::size_t b) {
+    if (computed_now_[b] == 0 && impulses && contact_has_changed(b, particles, *impulses, window))
+      computed_now_[b] = 1;
+    if (computed_now_[b] != 0) remember_contact(b, impulses, window);
+  });
+  computed_.clear();
+  for (std::size_t b = 0; b < blocks; ++b)
+    if (computed_now_[b] != 0) computed_.push_back(static_cast<Index>(b));
+}
+
+void Sleep::note(std::size_t block, double unrest) {
+  if (held_[block] != 0) {
+    if (quiet_[block] > 0) --quiet_[block];
+    if (wakes(unrest)) held_[block] = 0, quiet_[block] = 0;
+    return;
+  }
+  quiet_[block] = unrest < 0.5 * tolerance_ ? quiet_[block] + 1 : 0;
+  if (quiet_[block] < quiet_steps) return;
+  held_[block] = 1;
+  quiet_[block] = 2;  // the first still strains by the last velocities, the second is at rest
+}
+
+void Sleep::wake(std::size_t block) {
+  if (enabled()) held_[block] = 0, quiet_[block] = 0;
+}
+
+void Sleep::save(h5::Group& group, const NeighbourList& list) const {
+  if (!enabled()) return;
+  const std::size_t blocks = held_.size();
+  std::vector<double> held, quiet, complete, count, neighbours;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    held.push_back(held_[b]);
+    quiet.push_back(quiet_[b]);
+    complete.push_back(list.is_complete(b) ? 1 : 0);
+    count.push_back(static_cast<double>(neighbours_[b].size()));
+    neighbours.insert(neighbours.end(), neighbours_[b].begin(), neighbours_[b].end());
+  }
+  group.write("sleep_held", held);
+  group.write("sleep_quiet", quiet);
+  group.write("sleep_listed", complete);
+  group.write("sleep_neighbour_count", count);
+  group.write("sleep_neighbours", neighbours);
+  for (std::size_t d = 0; d < contact_.size(); ++d)
+    group.write(contact_names[d], std::vector<double>(contact_[d].begin(), contact_[d].end()));
+}
+
+void Sleep::load(const h5::Group& group, NeighbourList& list) {
+  if (!enabled()) return;
+  const auto read = [&](const std::string& name, std::size_t expected) {
+    std::vector<double> values = group.read_doubles(name);
+    if (values.size() != expected)
+      throw_input_error(
+          "checkpoint of SPH infill holds {} values of {}, but the scene needs {}; it belongs to "
+          "another scene",
+          values.size(), name, expected);
+    return values;
+  };
+  const std::size_t blocks = held_.size();
+  const std::vector<double> held = read("sleep_held", blocks), quiet = read("sleep_quiet", blocks),
+                            listed = read("sleep_listed", blocks),
+                            count = read("sleep_neighbour_count", blocks);
+  const auto total = static_cast<std::size_t>(std::accumulate(count.begin(), count.end(), 0.0));
+  const std::vector<double> neighbours = read("sleep_neighbours", total);
+  auto next = neighbours.begin();
+  for (std::size_t b = 0; b < blocks; ++b) {
+    held_[b] = held[b] != 0 ? 1 : 0;
+    quiet_[b] = static_cast<std::uint32_t>(quiet[b]);
+    if (listed[b] == 0) list.make_out_of_date(b);
+    neighbours_[b].clear();
+    for (auto k = static_cast<std::size_t>(count[b]); k > 0; --k)
+      neighbours_[b].push_back(static_cast<Index>(*next++));
+  }
+  for (std::size_t d = 0; d < contact_.size(); ++d) {
+    const std::vector<double> force = read(contact_names[d], particles_);
+    std::transform(force.begin(), force.end(), contact_[d].begin(),
+                   [](double f) { return static_cast<float>(f); });
+  }
+}
+
+}  // namespace tuft::sph

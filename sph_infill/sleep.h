@@ -1,0 +1,92 @@
+#pragma once
+/// Infill at rest sleeps: what moves, and what stands beside it, is computed; nothing else.
+///
+/// Particles go by blocks. A block is
+///   awake     its particles move;
+///   on guard  held still, beside an awake block or under a contact force that has changed: its stresses and
+///   forces
+///             are computed in every step, as if it were free;
+///   asleep    held still, and so are all neighbours of its particles: nothing of it is computed.
+///
+/// Unrest of a particle is the larger of |v|/c and |a| h/c^2, with the acceleration a that it has or would
+/// have: the strain of a wave with that speed of its particles, or of one that changes by as much within h.
+/// An awake block is held once the unrest of all its particles has stayed under half the tolerance for
+/// `quiet_steps` steps. A block on guard is let go in the very step in which the unrest of one of its
+/// particles passes the tolerance.
+///
+/// docs/theory/sph.md shows why no wave can be missed.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/hdf5_file.h"
+#include "core/infill.h"
+
+namespace tuft::sph {
+
+class NeighbourList;
+struct Particles;
+
+class Sleep {
+ public:
+  /// Steps of rest before a block is held.
+  static constexpr std::uint32_t quiet_steps = 20;
+
+  Sleep() = default;
+  /// tolerance: strain, >= 0; 0: all blocks are awake for ever, at no cost.
+  Sleep(double tolerance, double smoothing_length, std::size_t particles);
+
+  [[nodiscard]] bool enabled() const { return tolerance_ > 0; }
+  /// Awake and on guard, ascending.
+  [[nodiscard]] std::span<const Index> computed() const { return computed_; }
+  [[nodiscard]] bool is_held(std::size_t block) const { return enabled() && held_[block] != 0; }
+  /// Of a held block: its particles had no velocity in the last step either.
+  [[nodiscard]] bool has_settled(std::size_t block) const { return quiet_[block] == 0; }
+  /// Whether a held block with this unrest is let go, in the same step.
+  [[nodiscard]] bool wakes(double unrest) const { return unrest > tolerance_; }
+  [[nodiscard]] bool is_asleep(std::size_t block) const { return enabled() && computed_now_[block] == 0; }
+  /// Number of particles in the blocks computed.
+  [[nodiscard]] std::size_t computed_particles() const;
+
+  /// Blocks that move, or did in the last step, ascending: as of the last `find_moving`.
+  void find_moving();
+  [[nodiscard]] std::span<const Index> moving() const { return moving_; }
+  /// Notes which blocks the neighbours of those given are in.
+  void set_neighbours(const NeighbourList& list, std::span<const Index> blocks);
+  /// Chooses the blocks to compute in the coming step: what moves, what stands beside it, and what contact
+  /// pushes otherwise than before. impulses: of the window, N s, or null; window: s.
+  void choose(const Particles& particles, const Vec3Array* impulses, double window);
+  /// What a step has found. unrest: a block's, where it was computed.
+  template <class UnrestOfBlock>
+  void update(UnrestOfBlock&& unrest) {
+    for (const Index b : computed_) note(static_cast<std::size_t>(b), unrest(static_cast<std::size_t>(b)));
+  }
+  void wake(std::size_t block);
+
+  /// With what the list of neighbours knows, on which the choice of blocks depends.
+  void save(h5::Group& group, const NeighbourList& list) const;
+  /// list: just built, whole.
+  void load(const h5::Group& group, NeighbourList& list);
+
+ private:
+  void note(std::size_t block, double unrest);
+  /// Whether its particles have moved in the last two steps.
+  [[nodiscard]] bool is_moving(std::size_t block) const { return held_[block] == 0 || quiet_[block] > 0; }
+  /// Whether contact pushes a sleeping block otherwise than when it was last computed.
+  [[nodiscard]] bool contact_has_changed(std::size_t block, const Particles& particles,
+                                         const Vec3Array& impulses, double window) const;
+  void remember_contact(std::size_t block, const Vec3Array* impulses, double window);
+
+  double tolerance_ = 0, smoothing_length_ = 0;
+  std::size_t particles_ = 0;
+  std::vector<std::uint8_t> held_, computed_now_;
+  /// Awake: steps that a block has been at rest. Held: steps for which it is still computed, so that what its
+  /// neighbours read of it belongs to rest.
+  std::vector<std::uint32_t> quiet_;
+  std::vector<std::vector<Index>> neighbours_;  ///< blocks, ascending
+  std::vector<Index> computed_, moving_;
+  std::array<std::vector<float>, 3> contact_;  ///< N, force on each particle when last computed
+};
+
+}  // namespace tuft::sph
