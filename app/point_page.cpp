@@ -215,7 +215,7 @@ std::string head(const PointRun& run) {
 }  // namespace
 
 double energy_gap(const PointRun& run) {
-  return run.record.work_size > 0 ? run.record.largest_dissipation_gap / run.record.work_size : 0;
+  return run.record.work_size > 0 ? run.record.largest_energy_gap / run.record.work_size : 0;
 }
 
 std::string point_page(const PointRun& run) {

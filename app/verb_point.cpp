@@ -11,6 +11,7 @@
 #include "app/verbs.h"
 #include "core/error.h"
 #include "rigs/run_folder.h"
+#include "sph_infill/sph_infill.h"
 
 namespace tuft::app {
 namespace {
@@ -21,12 +22,6 @@ struct PointArguments {
   std::string file, out;
   std::vector<std::string> settings;
 };
-
-sph::SoilEffects soil_effects(const std::vector<EffectDecision>& effects) {
-  return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
-          effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
-          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
-}
 
 /// Names and units of the columns of path.csv, as they are written below.
 constexpr const char* csv_header =
@@ -136,8 +131,8 @@ std::string ends_table(const PointRun& run) {
 sph::SoilLaw law_of(const PointTest& test, const std::vector<EffectDecision>& effects) {
   const Material& material = test.tested();
   try {
-    const sph::SoilLaw law =
-        sph::make_soil_law(*material.continuum, effect_on(effects, "tension_cutoff"), soil_effects(effects));
+    const sph::SoilLaw law = sph::make_soil_law(*material.continuum, effect_on(effects, "tension_cutoff"),
+                                                sph::soil_effects_of(effects));
     (void)sph::compacted_state(law, test.residual_compression);
     return law;
   } catch (const InputError& error) {

@@ -19,19 +19,13 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
 }
 
-sph::SoilEffects soil_effects(const std::vector<EffectDecision>& effects) {
-  return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
-          effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
-          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
-}
-
 std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects) {
   const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
   const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
                                   effect_on(effects, "tension_cutoff"),
                                   effect_on(effects, "zero_energy_control"),
-                                  scene.numerics.sleep_tolerance, soil_effects(effects)};
+                                  scene.numerics.sleep_tolerance, sph::soil_effects_of(effects)};
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 
@@ -63,7 +57,7 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
     const double radius = particles.radius[i];
     result.stiffness.push_back(
         scene.infill.approach == Approach::sph
-            ? sph_contact_stiffness(material, scene.numerics, radius, soil_effects(effects))
+            ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
             : dem_contact_stiffness(material, radius));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));

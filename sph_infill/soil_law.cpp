@@ -320,6 +320,12 @@ double stored_energy(const SoilLaw& law, const SoilState& state) {
          0.25 * double_dot(state.deviator, state.deviator) / (law.shear_ratio * state.bulk_modulus);
 }
 
+SoilEffects soil_effects_of(const std::vector<EffectDecision>& effects) {
+  return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
+          effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
+          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
+}
+
 double constrained_modulus(const SoilFoamMaterial& material, double pressure, const SoilEffects& effects) {
   const SoilLaw law = make_soil_law(material, true, effects);
   const double modulus = law.elastic(law.elastic.argument(pressure)).derivative;

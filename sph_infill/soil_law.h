@@ -19,10 +19,9 @@
 /// far:
 /// - density_hardening: K is m K(p) with m = exp(n E), so p = U(m (e - e_p)) and e_p = e - u(P(e))/m on first
 ///   loading; k = sqrt(a0) and alpha = sqrt(a2) grow as exp(n_k E) and exp(n_a E).
-/// - strength_softening: k and alpha times 1 - (1 - residual) lambda, d(lambda) = (1 - lambda)
-/// d(gamma)/strain
-///   with the plastic shear strain gamma; opening of a gap counts as gamma. strength_recovery: d(lambda) =
-///   -lambda (dt/time + de/compression), de > 0.
+/// - strength_softening: k and alpha times 1 - (1 - residual) lambda, where d(lambda) = (1 - lambda)
+///   d(gamma)/strain with the plastic shear strain gamma; opening of a gap counts as gamma.
+/// - strength_recovery: d(lambda) = -lambda (dt/time + de/compression), de > 0.
 /// - strength_rate: sqrt(J2) at yield times 1 + C ln(1 + rate/reference), rate = sqrt(2 dev D : dev D).
 /// - dilation: d(e_p) = -tan(psi) d(gamma), as long as p < P(e): a point on the curve of first loading is as
 ///   loose as it can be. First loading then begins where p meets P(e), not where e exceeds E.
@@ -45,7 +44,7 @@ struct SoilLaw {
       0;  ///< Pa: below this pressure the limit is taken here, so that it never rises in tension
   double tension_cutoff = 0;  ///< Pa; infinite: none
 
-  // Of the effects, with values that change nothing where a law lacks what others of the run have.
+  // Of the effects. These values change nothing: they stay where a law lacks what others of the run have.
   SoilEffects effects;  ///< those of the run
   double modulus_exponent = 0, cohesion_exponent = 0, friction_exponent = 0;
   double softening = 0;                         ///< 1 / strain
@@ -57,7 +56,7 @@ struct SoilLaw {
   double dilatancy = 0;    ///< tan(psi)
 };
 
-/// State of one material point. The first four are what a checkpoint needs besides the deviator.
+/// State of one material point.
 /// Real: double for one point, Pack for as many as there are lanes.
 template <class Real>
 struct SoilStateOf {

@@ -256,9 +256,9 @@ template <SoilEffects on, class Real, class Law>
 /// Opens a yielding point at fixed density: pressure rises along the unloading curve, up to that of first
 /// loading. Returns the energy that expanding against the pressure takes, J/m^3.
 ///
-/// With sqrt(J2) - G x on the yield surface Y at the pressure after the plastic shear x. Newton's step
-/// overshoots, as Y(p(x)) is convex; the chord to it, taken then, does not: so expansion is never more than
-/// tan(psi) times the shear that the return takes out.
+/// The plastic shear x of the step solves sqrt(J2) - G x = Y(p(x)), Y the yield surface at the pressure after
+/// it. Newton's step from x = 0 overshoots where Y(p(x)) is convex, as for cones and hyperbolas; the chord to
+/// where it ended, taken then, does not, so that expansion stays below tan(psi) times the shear returned.
 template <SoilEffects on, class Real, class Law, class Mask>
 [[nodiscard]] Real dilate(const Law& law, const YieldSurfaceOf<Real>& surface, const Real& trial_root,
                           const Real& shear_modulus, const Mask& yields, SoilStateOf<Real>& state) {

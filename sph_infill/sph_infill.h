@@ -38,6 +38,9 @@ struct SphSettings {
   SoilEffects soil_effects;
 };
 
+/// Those of the soil law among the effects of a run.
+[[nodiscard]] SoilEffects soil_effects_of(const std::vector<EffectDecision>& effects);
+
 /// Constrained modulus of the law at pressure p, Pa: K_unloading + 4/3 G there (the stiffest path), with
 /// density_hardening as on first loading to p.
 [[nodiscard]] double constrained_modulus(const SoilFoamMaterial& material, double pressure,

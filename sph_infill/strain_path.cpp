@@ -117,7 +117,7 @@ class Walker {
     double gone = 0;
     while (true) {
       const PathRow before = now_;
-      const PathRecord counted_before{{}, record_.steps, record_.work_size, record_.largest_dissipation_gap};
+      const PathRecord counted_before{{}, record_.steps, record_.work_size, record_.largest_energy_gap};
       const std::array<double, 2> guess_before = guess_;
       take(step_of(segment, sign * test_.step));
       gone += test_.step;
@@ -150,7 +150,7 @@ class Walker {
     now_ = row;
     record_.steps = counted.steps;
     record_.work_size = counted.work_size;
-    record_.largest_dissipation_gap = counted.largest_dissipation_gap;
+    record_.largest_energy_gap = counted.largest_energy_gap;
     guess_ = guess;
   }
 
@@ -175,11 +175,13 @@ class Walker {
     return step;
   }
 
-  /// Lateral strains under which the stresses along x and y stay, by Newton's method with differences: the
-  /// update is smooth but for corners at yield, where a step is halved until it helps.
+  /// Lateral strains under which the stresses along x and y stay. Strength that depends on the rate has a
+  /// cusp where the rate is nothing, at which Newton's method may stick: then it starts again from elsewhere.
   void keep_lateral_stress(const PathSegment& segment, StrainStep& step) {
+    using Pair = std::array<double, 2>;
     const double size = std::abs(step.strain.zz);
-    const auto miss = [&](const std::array<double, 2>& e) -> std::array<double, 2> {
+    const double tolerance = 1e-10 * (now_.state.bulk_modulus * size + std::abs(lateral_.xx));
+    const auto miss = [&](const Pair& e) -> Pair {
       StrainStep tried = step;
       tried.strain.xx = e[0], tried.strain.yy = e[1];
       SoilState state = now_.state;
@@ -187,33 +189,44 @@ class Walker {
       const SymmetricTensor s = stress_of(state);
       return {s.xx - lateral_.xx, s.yy - lateral_.yy};
     };
+    for (const Pair& start : {guess_, Pair{0, 0}, Pair{0.5, 0.5}, Pair{-0.5, -0.5}, Pair{2, 2}, Pair{-2, -2},
+                              Pair{8, 8}, Pair{-8, -8}}) {
+      Pair e{start[0] * size, start[1] * size};
+      if (!find_root(miss, 1e-6 * size, tolerance, e)) continue;
+      step.strain.xx = e[0], step.strain.yy = e[1];
+      guess_ = {e[0] / size, e[1] / size};
+      return;
+    }
+    fail(segment, fmt::format("stresses of {:.6g} and {:.6g} Pa along x and y cannot be kept; raise them, or "
+                              "lower point.step",
+                              -lateral_.xx, -lateral_.yy));
+  }
+
+  /// Newton's method with differences of size `probe` for miss(e) = 0; a step is halved until it helps, for
+  /// the update has corners at yield.
+  template <class Miss>
+  static bool find_root(const Miss& miss, double probe, double tolerance, std::array<double, 2>& e) {
     const auto norm = [](const std::array<double, 2>& a) { return std::hypot(a[0], a[1]); };
-    const double tolerance = 1e-10 * (now_.state.bulk_modulus * size + std::abs(lateral_.xx));
-    std::array<double, 2> e{guess_[0] * size, guess_[1] * size}, f = miss(e);
-    for (int k = 0; norm(f) > tolerance; ++k) {
-      if (k == 60)
-        fail(segment,
-             fmt::format("stresses of {:.6g} and {:.6g} Pa along x and y cannot be kept; raise them, "
-                         "or lower point.step",
-                         -lateral_.xx, -lateral_.yy));
-      const double probe = 1e-6 * size;
+    std::array<double, 2> f = miss(e);
+    for (int k = 0; k < 40; ++k) {
+      if (norm(f) <= tolerance) return true;
       const auto fx = miss({e[0] + probe, e[1]}), fy = miss({e[0], e[1] + probe});
       const double a = (fx[0] - f[0]) / probe, b = (fy[0] - f[0]) / probe, c = (fx[1] - f[1]) / probe,
                    d = (fy[1] - f[1]) / probe, determinant = a * d - b * c;
       std::array<double, 2> change{-(d * f[0] - b * f[1]) / determinant,
                                    -(a * f[1] - c * f[0]) / determinant};
-      for (int halved = 0; halved < 30; ++halved) {
-        const std::array<double, 2> tried{e[0] + change[0], e[1] + change[1]};
-        const auto missed = miss(tried);
-        if (norm(missed) < norm(f) || halved == 29) {
+      int halved = 0;
+      for (; halved < 30; ++halved) {
+        const std::array<double, 2> tried{e[0] + change[0], e[1] + change[1]}, missed = miss(tried);
+        if (norm(missed) < norm(f)) {
           e = tried, f = missed;
           break;
         }
         change = {0.5 * change[0], 0.5 * change[1]};
       }
+      if (halved == 30) return false;
     }
-    step.strain.xx = e[0], step.strain.yy = e[1];
-    guess_ = {e[0] / size, e[1] / size};
+    return norm(f) <= tolerance;
   }
 
   void take(const StrainStep& step) {
@@ -232,9 +245,8 @@ class Walker {
   void describe(double shear_rate) {
     now_.yield = std::sqrt(yield_limit(law_, now_.state, now_.state.pressure, shear_rate));
     now_.stored = volume() * stored_energy(law_, now_.state);
-    record_.largest_dissipation_gap =
-        std::max(record_.largest_dissipation_gap,
-                 std::abs(now_.work - now_.dissipated - (now_.stored - stored_at_start_)));
+    record_.largest_energy_gap = std::max(
+        record_.largest_energy_gap, std::abs(now_.work - now_.dissipated - (now_.stored - stored_at_start_)));
   }
 
   /// Keeps a row now and then: every second one goes when there are twice as many as wanted.

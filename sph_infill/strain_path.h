@@ -33,9 +33,8 @@ struct PathRecord {
   std::vector<PathRow>
       rows;  ///< the start, then at most PointTest::samples of each segment, its end among them
   std::size_t steps = 0;
-  double work_size = 0;  ///< J/m^3, sum of the sizes of all works
-  double largest_dissipation_gap =
-      0;  ///< J/m^3, largest |work - dissipated - (stored - stored at the start)|
+  double work_size = 0;           ///< J/m^3, sum of the sizes of all works
+  double largest_energy_gap = 0;  ///< J/m^3, largest |work - dissipated - (stored - stored at the start)|
 };
 
 /// Runs the test's path. `record` holds what was reached also when it throws: RunError, naming the segment,

@@ -41,7 +41,8 @@ TEST(CommandLine, RefusesThreadsThatAreNoCount) {
 
 TEST(CommandLine, GivesHelpForEveryVerb) {
   EXPECT_EQ(run_tuft({"--help"}).exit_code, 0);
-  for (const char* verb : {"run", "resume", "check", "explain", "carpet", "compare", "point", "report", "show"}) {
+  for (const char* verb :
+       {"run", "resume", "check", "explain", "carpet", "compare", "point", "report", "show"}) {
     const Outcome outcome = run_tuft({verb, "--help"});
     EXPECT_EQ(outcome.exit_code, 0) << verb;
     EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << verb;

@@ -382,7 +382,9 @@ TEST(SceneMistakes, PartsOfTheSoilLawGivenTwiceOrNotAtAll) {
       << "0 where the file gives them";
 
   const std::string whole =
-      "[materials.new.material]\nbulk_density = \"500 kg/m^3\"\n[materials.new.continuum]\n";
+      "[materials.new.material]\nbulk_density = \"500 kg/m^3\"\n[materials.new.friction]\n"
+      "fibre = { static = 0.4, dynamic = 0.4 }\nbody = { static = 0.4, dynamic = 0.4 }\n"
+      "[materials.new.continuum]\n";
   EXPECT_THAT(complaint(good + whole + "unloading_ratio = 1.2\n"), HasSubstr("pressure: missing"));
   const std::string loading = "pressure_exponential = { modulus = \"1 MPa\", growth = 5 }\n";
   EXPECT_THAT(complaint(good + whole + loading), HasSubstr("unloading: missing"));
