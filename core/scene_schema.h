@@ -126,7 +126,9 @@ void describe_friction(KeyVisitor& keys, FrictionLaw& law);
 void describe_infill(KeyVisitor& keys, InfillChoice& infill);
 void describe_rig(KeyVisitor& keys, Rig& rig);
 void describe_effects(KeyVisitor& keys, Effects& effects);
-void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled);
+/// What a rig loads: a filled carpet, the carpet's material alone, infill alone.
+enum class RigKind { turf, component, specimen };
+void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind);
 void describe_output(KeyVisitor& keys, Output& output);
 
 /// Every key of a scene, in full ("infill.sph.pitch"; an item of a list as "turf.layers[].depth").

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
@@ -52,7 +53,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
   const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], 0.5,
-                                     settings_.friction[i]};
+                                     body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double overlap = points.radius[i] - surface.distance;
   ContactKinematics kinematics;
@@ -103,6 +104,16 @@ double BodyContact::largest_frequency_squared(std::span<const double> mass) cons
   double largest = 0;
   for (std::size_t i = 0; i < mass.size(); ++i) largest = std::max(largest, settings_.stiffness[i] / mass[i]);
   return largest;
+}
+
+double BodyContact::stable_step(std::span<const double> mass) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    const double zeta = settings_.damping_ratio[i];
+    smallest = std::min(smallest,
+                        2 * std::sqrt(mass[i] / settings_.stiffness[i]) * (std::sqrt(1 + zeta * zeta) - zeta));
+  }
+  return smallest;
 }
 
 void BodyContact::save(h5::Group& group) const {

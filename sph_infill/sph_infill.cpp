@@ -82,7 +82,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
     p.inverse_mass[i] = 1 / p.mass[i];
-    p.radius[i] = 0.5 * std::cbrt(lattice.volume[i]);
+    p.radius[i] = lattice.radius.empty() ? 0.5 * std::cbrt(lattice.volume[i]) : lattice.radius[i];
   }
   m.stress_blocks.resize(block_count(p));
   m.kick_blocks.resize(block_count(p));

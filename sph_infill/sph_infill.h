@@ -18,6 +18,7 @@ struct Lattice {
   Vec3Array position;          ///< m
   std::vector<double> volume;  ///< m^3, reference
   std::vector<Index> layer, material;
+  std::vector<double> radius;  ///< m, of contact; empty: half the edge of a cube of the particle's volume
   double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
 };
 
