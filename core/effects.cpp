@@ -142,8 +142,8 @@ EffectDecision decide(const EffectRule& rule, const Scene& scene) {
 
 std::vector<EffectDecision> decide_effects(const Scene& scene) {
   std::vector<EffectDecision> decisions;
-  // A strip of the carpet's material can fail; infill alone lacks what takes a carpet; all are effects of a filled
-  // turf.
+  // A strip of the carpet's material can fail; infill alone lacks what takes a carpet; all are effects of a
+  // filled turf.
   const auto can_act = [&](std::string_view name) {
     if (scene.rig.is_component()) return name == "erosion";
     return !scene.rig.is_specimen() || (name != "erosion" && name != "fibres" && name != "overlap_release");

@@ -247,29 +247,30 @@ struct TensionRig {
 /// (the relative lateral displacement of ASTM D3080), or over its height.
 enum class ShearStrainBasis { length, height };
 
-/// Tests of infill alone between rigid walls, a fresh specimen for each load of a list: `oedometer` (one-dimensional
-/// compression in a ring, loaded and unloaded in cycles at constant speed of the upper plate) and `direct_shear` (a
-/// box in two halves, the lower of which is driven under a constant normal load).
+/// Tests of infill alone between rigid walls, a fresh specimen for each load of a list: `oedometer`
+/// (one-dimensional compression in a ring, loaded and unloaded in cycles at constant speed of the upper
+/// plate) and `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
+/// load).
 struct SpecimenRig {
-  Index material = 0;       ///< index into Scene::materials
-  double height = 0;        ///< m; 0: 12.7 mm in the ring, 19.5 mm in the box
-  double speed = 0;         ///< m/s, of the plate or the lower half; 0: 1 mm/s, 0.1 mm/s
-  double speed_factor = 1;  ///< >= 1, the test runs so many times faster
+  Index material = 0;         ///< index into Scene::materials
+  double height = 0;          ///< m; 0: 12.7 mm in the ring, 19.5 mm in the box
+  double speed = 0;           ///< m/s, of the plate or the lower half; 0: 1 mm/s, 0.1 mm/s
+  double speed_factor = 1;    ///< >= 1, the test runs so many times faster
   double wall_friction = 0;   ///< of the infill on ring or side walls
   double sample_travel = 0;   ///< m between rows at full speed; 0: 2 um, 10 um
   int frame_rows = 500;       ///< rows between frames
   int checkpoint_rows = 500;  ///< rows between checkpoints
 
-  double diameter = 0.0535;              ///< m, of the ring
-  std::vector<double> preloads{1500};    ///< N, a test each
-  int cycles = 4;                        ///< of loading to the preload and unloading
-  double seating_force = 5;              ///< N, to which the plate is unloaded
+  double diameter = 0.0535;            ///< m, of the ring
+  std::vector<double> preloads{1500};  ///< N, a test each
+  int cycles = 4;                      ///< of loading to the preload and unloading
+  double seating_force = 5;            ///< N, to which the plate is unloaded
 
   std::array<double, 2> size{0.05, 0.05};                    ///< m, x (the shearing) and y of the box
   std::vector<double> normal_stresses{100e3, 200e3, 300e3};  ///< Pa, a test each
-  double load_time = 0.02;                                   ///< s, over which the normal load rises, and is held again
-  double platen_friction = 1;                                ///< of the infill on the plates above and below
-  double yield_strain = 0.12;                                ///< shear strain at which the yield is read
+  double load_time = 0.02;     ///< s, over which the normal load rises, and is held again
+  double platen_friction = 1;  ///< of the infill on the plates above and below
+  double yield_strain = 0.12;  ///< shear strain at which the yield is read
   ShearStrainBasis strain_basis = ShearStrainBasis::length;
 };
 

@@ -14,7 +14,8 @@ constexpr double margin_over_missile = 0.10;  // of its diameter, on each side o
 constexpr double share_tolerance = 1e-6;
 constexpr double wendland_over_pitch = 1.3;  // about 75 neighbours (PHYSICS section 2)
 constexpr double backing_strip_along = 0.016, backing_strip_across = 0.021;  // m, Bustamante et al. 2024
-constexpr double specimen_over_pitch = 0.9;    // rows on the walls stay in order to 30 % strain (docs/rigs/oedometer.md)
+constexpr double specimen_over_pitch =
+    0.9;  // rows on the walls stay in order to 30 % strain (docs/rigs/oedometer.md)
 constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
 
 std::string in_mm(double metres) {
@@ -208,12 +209,12 @@ void complete_specimen(Scene& scene, const Places& places) {
   if (rig.speed == 0) rig.speed = defaults.speed;
   if (rig.sample_travel == 0) rig.sample_travel = defaults.sample_travel;
   if (scene.infill.approach == Approach::dem)
-    places.fail("infill.approach",
-                fmt::format("grains cannot fill the {} of rig \"{}\" yet; use \"sph\"", ring ? "ring" : "box",
-                            scene.rig.type));
+    places.fail("infill.approach", fmt::format("grains cannot fill the {} of rig \"{}\" yet; use \"sph\"",
+                                               ring ? "ring" : "box", scene.rig.type));
   const auto& material = scene.materials.at(static_cast<std::size_t>(rig.material));
   if (!material.continuum)
-    places.fail("rig.material", fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
+    places.fail("rig.material",
+                fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
   const std::vector<double>& loads = ring ? rig.preloads : rig.normal_stresses;
   const char* name = ring ? "preloads" : "normal_stresses";
   for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -224,8 +225,9 @@ void complete_specimen(Scene& scene, const Places& places) {
                   fmt::format("must be more than twice rig.seating_force ({:g} N)", rig.seating_force));
   }
   if (rig.sample_travel > 0.01 * rig.height)
-    places.fail("rig.sample_travel",
-                fmt::format("is more than a hundredth of the height ({}); make it smaller", in_mm(rig.height)));
+    places.fail(
+        "rig.sample_travel",
+        fmt::format("is more than a hundredth of the height ({}); make it smaller", in_mm(rig.height)));
   // Effects ask the layers what touches.
   scene.turf.layers = {{rig.material, rig.height}};
 }

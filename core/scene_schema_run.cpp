@@ -17,7 +17,9 @@ constexpr std::string_view strip_grips[] = {"hold_width", "let_contract"};
 constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
 
 void describe_sph(KeyVisitor& keys, SphOptions& sph) {
-  keys.choice({"preset", "accurate: Wendland C2, h = 1.3 pitch; paper: cubic spline, h = 0.71 pitch; specimen (of oedometer and "
+  keys.choice({"preset",
+               "accurate: Wendland C2, h = 1.3 pitch; paper: cubic spline, h = 0.71 pitch; specimen (of "
+               "oedometer and "
                "direct_shear where left out): cubic spline, h = 0.9 pitch; custom"},
               sph.preset, presets);
   keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
@@ -82,40 +84,47 @@ void describe_tension(KeyVisitor& keys, TensionRig& tension, bool of_backing) {
 }
 
 void describe_specimen(KeyVisitor& keys, SpecimenRig& specimen, bool ring, bool box) {
-  keys.material(required("material", "oedometer, direct_shear: the infill that is tested"), specimen.material);
+  keys.material(required("material", "oedometer, direct_shear: the infill that is tested"),
+                specimen.material);
   keys.quantity({"height", "specimen: height as placed; 0: 12.7 mm in the ring, 19.5 mm in the box"},
                 specimen.height, "m", non_negative);
-  keys.quantity({"speed", "specimen: of the upper plate (0: 1 mm/s) or the lower half of the box (0: 0.1 mm/s)"},
-                specimen.speed, "m/s", non_negative);
-  keys.number({"speed_factor", "specimen: tests run so many times faster; inertia_share says what is allowed"},
-              specimen.speed_factor, at_least_one);
-  keys.number({"wall_friction", "specimen: friction of the infill on ring or side walls"}, specimen.wall_friction,
-              non_negative);
-  keys.quantity({"sample_travel", "specimen: travel between rows at full speed; 0: 2 um in the ring, 10 um in the box"},
-                specimen.sample_travel, "m", non_negative);
+  keys.quantity(
+      {"speed", "specimen: of the upper plate (0: 1 mm/s) or the lower half of the box (0: 0.1 mm/s)"},
+      specimen.speed, "m/s", non_negative);
+  keys.number(
+      {"speed_factor", "specimen: tests run so many times faster; inertia_share says what is allowed"},
+      specimen.speed_factor, at_least_one);
+  keys.number({"wall_friction", "specimen: friction of the infill on ring or side walls"},
+              specimen.wall_friction, non_negative);
+  keys.quantity(
+      {"sample_travel", "specimen: travel between rows at full speed; 0: 2 um in the ring, 10 um in the box"},
+      specimen.sample_travel, "m", non_negative);
   keys.integer({"frame_rows", "specimen: rows between frames"}, specimen.frame_rows, {1, 1e9, false, false});
   keys.integer({"checkpoint_rows", "specimen: rows between checkpoints"}, specimen.checkpoint_rows,
                {1, 1e9, false, false});
   if (ring) {
     keys.quantity({"diameter", "oedometer: inner diameter of the ring"}, specimen.diameter, "m", positive);
-    keys.quantity_list({"preloads", "oedometer: force at which the plate turns back, a test each"}, specimen.preloads,
-                       "N", positive);
+    keys.quantity_list({"preloads", "oedometer: force at which the plate turns back, a test each"},
+                       specimen.preloads, "N", positive);
     keys.integer({"cycles", "oedometer: loadings and unloadings"}, specimen.cycles, {1, 1000, false, false});
     keys.quantity({"seating_force", "oedometer: force at which unloading ends"}, specimen.seating_force, "N",
                   positive);
   }
   if (box) {
-    keys.quantities({"size", "direct_shear: the box, along the shearing and across"}, specimen.size, "m", positive);
-    keys.quantity_list({"normal_stresses", "direct_shear: load on the upper plate over the box's area, a test each"},
-                       specimen.normal_stresses, "Pa", positive);
+    keys.quantities({"size", "direct_shear: the box, along the shearing and across"}, specimen.size, "m",
+                    positive);
+    keys.quantity_list(
+        {"normal_stresses", "direct_shear: load on the upper plate over the box's area, a test each"},
+        specimen.normal_stresses, "Pa", positive);
     keys.quantity({"load_time", "direct_shear: time in which the normal load rises, and again is held"},
                   specimen.load_time, "s", positive);
     keys.number({"platen_friction", "direct_shear: friction of the infill on the plates above and below"},
                 specimen.platen_friction, non_negative);
     keys.number({"yield_strain", "direct_shear: shear strain at which the yield is read and the test ends"},
                 specimen.yield_strain, {0, 0.5, true, false});
-    keys.enumeration({"strain_basis", "direct_shear: shear strain is displacement over the length, or the height"},
-                     specimen.strain_basis, strain_bases);
+    keys.enumeration(
+        {"strain_basis", "direct_shear: shear strain is displacement over the length, or the height"},
+        specimen.strain_basis, strain_bases);
   }
 }
 

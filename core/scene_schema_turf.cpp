@@ -11,8 +11,9 @@ void describe_shell_material(KeyVisitor& keys, ShellMaterial& material) {
   keys.quantity(required("young_modulus", "Young's modulus"), material.young_modulus, "Pa", positive);
   keys.number(required("poisson_ratio", "Poisson's ratio"), material.poisson_ratio, {0, 0.5, false, true});
   keys.quantity(required("density", "density of the solid"), material.density, "kg/m^3", positive);
-  keys.number({"failure_strain", "largest principal strain (logarithmic) at which a shell fails; 0: none does"},
-              material.failure_strain, non_negative);
+  keys.number(
+      {"failure_strain", "largest principal strain (logarithmic) at which a shell fails; 0: none does"},
+      material.failure_strain, non_negative);
   keys.list<PronyTerm>(
       {"relaxation", "viscoelastic: parts of the instantaneous shear modulus that relax"},
       material.relaxation, [](KeyVisitor& inside, PronyTerm& term) {

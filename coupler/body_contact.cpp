@@ -10,6 +10,8 @@
 namespace tuft::coupler {
 namespace {
 
+constexpr double tangential_ratio = ContactParameters{}.tangential_ratio;
+
 SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahead) {
   const Vec3 relative = point - body.position - ahead * body.velocity;
   return std::visit([&](const auto& shape) { return distance_to(shape, relative); }, body.shape);
@@ -52,7 +54,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactHistory& history = histories_[pair];
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
-  const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], 0.5,
+  const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], tangential_ratio,
                                      body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double overlap = points.radius[i] - surface.distance;
@@ -107,11 +109,14 @@ double BodyContact::largest_frequency_squared(std::span<const double> mass) cons
 }
 
 double BodyContact::stable_step(std::span<const double> mass) const {
+  // Of each point the bodies near it; before the first search it may be any three.
+  std::vector<int> near(mass.size(), searched_ ? 0 : 3);
+  for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < mass.size(); ++i) {
     const double zeta = settings_.damping_ratio[i];
-    smallest = std::min(smallest,
-                        2 * std::sqrt(mass[i] / settings_.stiffness[i]) * (std::sqrt(1 + zeta * zeta) - zeta));
+    const double stiffness = settings_.stiffness[i] * (1 + tangential_ratio * std::max(0, near[i] - 1));
+    smallest = std::min(smallest, 2 * std::sqrt(mass[i] / stiffness) * (std::sqrt(1 + zeta * zeta) - zeta));
   }
   return smallest;
 }

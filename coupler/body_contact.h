@@ -43,8 +43,9 @@ class BodyContact {
   /// Largest stiffness over mass of the points, 1/s^2: bounds the step together with the points' own
   /// stiffness.
   [[nodiscard]] double largest_frequency_squared(std::span<const double> mass) const;
-  /// Largest stable step of the contacts alone, s, their dashpots included: force taken from the velocity half a step
-  /// before, 2/omega (sqrt(1 + zeta^2) - zeta).
+  /// Largest stable step of the contacts alone, s, 2/omega (sqrt(1 + zeta^2) - zeta) with the dashpots, whose
+  /// force is taken from the velocity half a step before. A point between several bodies feels the tangential
+  /// springs of the others beside the normal one.
   [[nodiscard]] double stable_step(std::span<const double> mass) const;
 
   void save(h5::Group& group) const;

@@ -133,8 +133,8 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
 
   if (scene.infill.approach == Approach::sph) {
     const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
-    parts.infill = build_sph(scene, request.effects,
-                             sph::make_lattice(scene.turf, box, scene.infill.sph.pitch));
+    parts.infill =
+        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch));
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
     parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
@@ -197,13 +197,15 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
   const sph::Lattice& lattice = *request.lattice;
   SimulationParts parts;
   parts.infill = build_sph(scene, request.effects, lattice);
-  parts.carpet = std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
+  parts.carpet =
+      std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
   parts.bodies = request.bodies;
   const PointContact contact = particle_contact(scene, request.effects, parts.infill->particles());
   parts.particle_body = {contact.stiffness, contact.damping_ratio, contact.body_friction};
+  constexpr double of_wall_row = 2.0 / 3;  // about the volume of a particle at a wall over that of one inside
   for (std::size_t i = 0; i < lattice.volume.size(); ++i) {
     const double edge = 2 * lattice.radius.at(i);
-    parts.particle_body.stiffness[i] *= std::min(1.0, 2 * lattice.volume[i] / (edge * edge * edge));
+    parts.particle_body.stiffness[i] *= std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
   }
   parts.gravity = gravity;
   parts.numerics = scene.numerics;

@@ -51,8 +51,8 @@ struct RigidBody {
   Vec3 position{0, 0, 0};  ///< m, at t
   Vec3 velocity{0, 0, 0};  ///< m/s, half a step before (leapfrog, as core/infill.h)
   double mass = std::numeric_limits<double>::infinity();  ///< kg; infinite: fixed in space
-  Vec3 freedom{0, 0, 0};  ///< 1 for directions in which it moves freely, 0 for held ones
-  bool present = true;    ///< false: takes no part (a missile not yet released)
+  Vec3 freedom{0, 0, 0};                ///< 1 for directions in which it moves freely, 0 for held ones
+  bool present = true;                  ///< false: takes no part (a missile not yet released)
   std::optional<FrictionLaw> friction;  ///< of points on it; empty: the points' own against bodies
   bool driven = false;                  ///< of infinite mass, moved at `drive` whatever resists
   Vec3 drive{0, 0, 0};                  ///< m/s

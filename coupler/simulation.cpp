@@ -92,8 +92,7 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
 StableSteps Simulation::stable_steps() const {
   const ParticleView particles = parts_.infill->particles();
   if (!has_carpet()) {  // the infill alone sets the window
-    const double infill = parts_.infill->stable_step(),
-                 touching = particle_body_.stable_step(particles.mass);
+    const double infill = parts_.infill->stable_step(), touching = particle_body_.stable_step(particles.mass);
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
   }
   const double contact = particle_body_.largest_frequency_squared(particles.mass);

@@ -1,6 +1,6 @@
 #pragma once
-/// What every checkpoint of a component or specimen rig holds beside the physics: format, scene, time spent, rows
-/// recorded.
+/// What every checkpoint of a component or specimen rig holds beside the physics: format, scene, time spent,
+/// rows recorded.
 #include <filesystem>
 #include <functional>
 #include <map>

@@ -13,7 +13,7 @@ namespace tuft::rigs {
 namespace {
 
 enum Body : std::size_t { upper_plate, lower_plate, first_upper_wall, first_lower_wall = 6, body_count = 10 };
-constexpr std::size_t walls = 4;  // of each half
+constexpr std::size_t walls = 4;                            // of each half
 constexpr double wall_thickness = 0.05, wall_height = 0.1;  // m, more than the specimen ever reaches
 
 bool is_upper(std::size_t body) {
@@ -47,7 +47,7 @@ void add_walls(std::vector<coupler::RigidBody>& bodies, const SpecimenRig& rig, 
 }  // namespace
 
 std::array<double, ShearRow::count> ShearRow::values() const {
-  return {time,         shearing,     displacement, shear_strain, shear_stress,
+  return {time,          shearing,     displacement, shear_strain, shear_stress,
           normal_stress, plane_stress, force_upper,  force_lower,  height_change};
 }
 
@@ -57,7 +57,7 @@ ShearRow ShearRow::of(std::span<const double> v) {
 
 ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain) {
   ShearResults results;
-  double shear = 0, plane = 0;
+  double shear = 0, plane = 0, displacement = 0;
   std::size_t count = 0;
   bool reached = false;
   for (const ShearRow& row : rows) {
@@ -68,18 +68,22 @@ ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain)
     }
     results.height_change = row.height_change;
     reached = reached || row.shear_strain >= yield_strain * (1 - 1e-9);
-    if (row.shear_strain < yield_strain - yield_window || row.shear_strain > yield_strain * (1 + 1e-9)) continue;
+    if (row.shear_strain < yield_strain - yield_window || row.shear_strain > yield_strain * (1 + 1e-9))
+      continue;
     shear += row.shear_stress;
     plane += row.plane_stress;
+    displacement += row.displacement;
     ++count;
   }
   if (!reached || count == 0) return results;
   results.yield_stress = shear / static_cast<double>(count);
+  results.displacement = displacement / static_cast<double>(count);
   results.plane_stress = plane / static_cast<double>(count);
   return results;
 }
 
-std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal, std::span<const double> shear) {
+std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal,
+                                                std::span<const double> shear) {
   const auto n = static_cast<double>(normal.size());
   double mean_normal = 0, mean_shear = 0, nn = 0, ns = 0;
   for (std::size_t i = 0; i < normal.size(); ++i) {
@@ -120,8 +124,8 @@ sph::Lattice DirectShear::lattice() const {
   return sph::fill_box({rig_.size, rig_.height}, rig_.material, sph_);
 }
 
-/// The upper plate has the specimen's mass, its guides the damping that is critical for that mass on the specimen's
-/// stiffness under the load: it follows the specimen without ringing.
+/// The upper plate has the specimen's mass, its guides the damping that is critical for that mass on the
+/// specimen's stiffness under the load: it follows the specimen without ringing.
 std::vector<coupler::RigidBody> DirectShear::bodies(std::size_t test) const {
   const double reach = lattice().radius.front();
   const FrictionLaw rough{rig_.platen_friction, rig_.platen_friction, 0};
@@ -222,9 +226,9 @@ std::string DirectShear::stage() const {
 }
 
 std::vector<HistoryColumn> DirectShear::columns() const {
-  return {{"test", "1"},           {"test_time", "s"},     {"shearing", "1"},     {"displacement", "m"},
-          {"shear_strain", "1"},   {"shear_stress", "Pa"}, {"normal_stress", "Pa"}, {"plane_stress", "Pa"},
-          {"force_upper", "N"},    {"force_lower", "N"},   {"height_change", "m"}};
+  return {{"test", "1"},         {"test_time", "s"},     {"shearing", "1"},       {"displacement", "m"},
+          {"shear_strain", "1"}, {"shear_stress", "Pa"}, {"normal_stress", "Pa"}, {"plane_stress", "Pa"},
+          {"force_upper", "N"},  {"force_lower", "N"},   {"height_change", "m"}};
 }
 
 std::vector<double> DirectShear::row() const {
@@ -236,7 +240,7 @@ std::vector<double> DirectShear::row() const {
 
 void DirectShear::add_results(std::map<std::string, Quantity>& results,
                               std::map<std::string, Quantity>& notes) const {
-  std::vector<double> normal, shear;
+  std::vector<double> normal, shear, remaining_normal, remaining_shear;
   for (std::size_t test = 0; test < tests(); ++test) {
     const std::span<const ShearRow> rows = rows_[test];
     const double wanted = rig_.normal_stresses[test];
@@ -251,6 +255,11 @@ void DirectShear::add_results(std::map<std::string, Quantity>& results,
       results[prefix + "stress_on_plane"] = {*r.plane_stress, "Pa"};
       normal.push_back(wanted);
       shear.push_back(*r.yield_stress);
+      // The halves face each other over what is left of the length.
+      const double left = 1 - r.displacement / rig_.size[0];
+      remaining_normal.push_back(wanted / left);
+      remaining_shear.push_back(*r.yield_stress / left);
+      results[prefix + "yield_stress_on_remaining_area"] = {remaining_shear.back(), "Pa"};
     }
     double inertia = 0, load_error = 0;
     for (const ShearRow& row : rows) {
@@ -261,11 +270,14 @@ void DirectShear::add_results(std::map<std::string, Quantity>& results,
     notes[prefix + "inertia_share"] = {inertia / (r.peak_stress * area()), "1"};
     notes[prefix + "load_error"] = {load_error, "1"};
   }
-  if (const auto line = fit_mohr_coulomb(normal, shear)) {
-    results["cohesion"] = {line->cohesion, "Pa"};
-    results["friction_angle"] = {180 / std::numbers::pi * line->friction_angle, "deg"};
-    results["line_misfit"] = {line->largest_misfit, "Pa"};
-  }
+  const auto add_line = [&](const std::string& prefix, const std::optional<MohrCoulombLine>& line) {
+    if (!line) return;
+    results[prefix + "cohesion"] = {line->cohesion, "Pa"};
+    results[prefix + "friction_angle"] = {180 / std::numbers::pi * line->friction_angle, "deg"};
+    results[prefix + "line_misfit"] = {line->largest_misfit, "Pa"};
+  };
+  add_line("", fit_mohr_coulomb(normal, shear));
+  add_line("remaining_area_", fit_mohr_coulomb(remaining_normal, remaining_shear));
 }
 
 void DirectShear::save(h5::Group& group) const {

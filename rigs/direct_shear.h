@@ -1,6 +1,6 @@
 #pragma once
-/// Direct shear (after ASTM D3080): a box in two halves that meet without a gap; the upper plate bears a constant
-/// load, the lower half is driven.
+/// Direct shear (after ASTM D3080): a box in two halves that meet without a gap; the upper plate bears a
+/// constant load, the lower half is driven.
 #include <array>
 #include <optional>
 #include <span>
@@ -10,16 +10,16 @@
 namespace tuft::rigs {
 
 struct ShearRow {
-  double time = 0;          ///< s since the test began, middle of the interval
-  double shearing = 0;      ///< 0 while the normal load rises and is held, then 1
-  double displacement = 0;  ///< m, of the lower half
-  double shear_strain = 0;  ///< displacement over length or height, as the rig says
-  double shear_stress = 0;  ///< Pa, force on the upper half over the box's area as built
-  double normal_stress = 0; ///< Pa, force of the specimen on the upper plate over that area
-  double plane_stress = 0;  ///< Pa, vertical force that the plane of shearing carries, over that area
-  double force_upper = 0;   ///< N, of the specimen on upper half and plate, along the displacement
-  double force_lower = 0;   ///< N, on lower half and plate, against it
-  double height_change = 0; ///< m, of the upper plate since shearing began, upwards
+  double time = 0;           ///< s since the test began, middle of the interval
+  double shearing = 0;       ///< 0 while the normal load rises and is held, then 1
+  double displacement = 0;   ///< m, of the lower half
+  double shear_strain = 0;   ///< displacement over length or height, as the rig says
+  double shear_stress = 0;   ///< Pa, force on the upper half over the box's area as built
+  double normal_stress = 0;  ///< Pa, force of the specimen on the upper plate over that area
+  double plane_stress = 0;   ///< Pa, vertical force that the plane of shearing carries, over that area
+  double force_upper = 0;    ///< N, of the specimen on upper half and plate, along the displacement
+  double force_lower = 0;    ///< N, on lower half and plate, against it
+  double height_change = 0;  ///< m, of the upper plate since shearing began, upwards
 
   static constexpr std::size_t count = 10;
   [[nodiscard]] std::array<double, count> values() const;
@@ -27,7 +27,9 @@ struct ShearRow {
 };
 
 struct ShearResults {
-  std::optional<double> yield_stress;  ///< Pa, mean over the last yield_window of strain before the yield strain
+  std::optional<double>
+      yield_stress;         ///< Pa, mean over the last yield_window of strain before the yield strain
+  double displacement = 0;  ///< m, mean over those rows
   std::optional<double> plane_stress;  ///< Pa, the mean vertical stress on the plane over the same rows
   double peak_stress = 0;              ///< Pa
   double strain_at_peak = 0;
@@ -84,9 +86,10 @@ class DirectShear final : public SpecimenTest {
   SphOptions sph_;
   std::vector<std::vector<ShearRow>> rows_;  ///< by test
   std::size_t test_ = 0;
-  double plate_mass_ = 0;                               ///< kg
-  double displacement_ = 0, height_ = 0, start_height_ = 0;  ///< m, at the end of the last interval; at shearing
-  double speed_ = 0;                                    ///< m/s
+  double plate_mass_ = 0;  ///< kg
+  double displacement_ = 0, height_ = 0,
+         start_height_ = 0;  ///< m, at the end of the last interval; at shearing
+  double speed_ = 0;         ///< m/s
 };
 
 }  // namespace tuft::rigs

@@ -14,10 +14,10 @@ namespace tuft::rigs {
 namespace {
 
 constexpr double low_share = 0.1, high_share = 0.9;  // of the cycle's largest stress, for the secant moduli
-/// Over the last of the way to a force (this share of the preload, or so many rows at the present pace) the plate slows
-/// down in proportion to what is left, so that it turns close to it.
-constexpr double approach_share = 0.02, approach_rows = 10, slowest = 0.02;
-constexpr double most_compression = 0.8;  // of the height
+/// Over the last of the way to a force (this share of the preload, or so many rows at the present pace) the
+/// plate slows down in proportion to what is left, so that it turns close to it.
+constexpr double approach_share = 0.02, approach_rows = 20, slowest = 0.02;
+constexpr double most_compression = 0.7;  // of the height
 
 /// Strain at which the stress first passes `level` in a branch; `sign` 1: upwards, -1: downwards.
 std::optional<double> strain_at(std::span<const OedometerRow> rows, double level, double sign) {
@@ -56,9 +56,9 @@ OedometerRow OedometerRow::of(std::span<const double> v) {
 
 CycleResults evaluate_cycle(std::span<const OedometerRow> rows, double seating_force) {
   CycleResults results;
-  const auto peak = std::max_element(rows.begin(), rows.end(), [](const OedometerRow& a, const OedometerRow& b) {
-    return a.force < b.force;
-  });
+  const auto peak =
+      std::max_element(rows.begin(), rows.end(),
+                       [](const OedometerRow& a, const OedometerRow& b) { return a.force < b.force; });
   if (peak == rows.end()) return results;
   results.peak_force = peak->force;
   results.peak_strain = peak->strain;
@@ -183,7 +183,8 @@ void Oedometer::sample(const coupler::Simulation& simulation) {
   }
   if (row.travel > most_compression * rig_.height)
     throw_run_error(
-        "oedometer: {:.3g} N after {:.3g} mm, {:g} % of the height, and the preload of {:g} N is not reached; lower "
+        "oedometer: {:.3g} N after {:.3g} mm, {:g} % of the height, and the preload of {:g} N is not "
+        "reached; lower "
         "rig.preloads",
         row.force, 1e3 * row.travel, 100 * most_compression, rig_.preloads[test_]);
 }
@@ -199,9 +200,9 @@ std::string Oedometer::stage() const {
 }
 
 std::vector<HistoryColumn> Oedometer::columns() const {
-  return {{"test", "1"},        {"test_time", "s"}, {"cycle", "1"},         {"direction", "1"},
-          {"travel", "m"},      {"compression", "m"}, {"strain", "1"},      {"stress", "Pa"},
-          {"force", "N"},       {"force_below", "N"}, {"force_ring", "N"},  {"inertia_force", "N"}};
+  return {{"test", "1"},   {"test_time", "s"},   {"cycle", "1"},      {"direction", "1"},
+          {"travel", "m"}, {"compression", "m"}, {"strain", "1"},     {"stress", "Pa"},
+          {"force", "N"},  {"force_below", "N"}, {"force_ring", "N"}, {"inertia_force", "N"}};
 }
 
 std::vector<double> Oedometer::row() const {

@@ -1,6 +1,6 @@
 #pragma once
-/// One-dimensional compression in a ring (after ASTM D2435): the upper plate is driven down at constant speed to a
-/// preload, back until it is unloaded, and so on.
+/// One-dimensional compression in a ring (after ASTM D2435): the upper plate is driven down at constant speed
+/// to a preload, back until it is unloaded, and so on.
 #include <array>
 #include <optional>
 #include <span>
@@ -10,16 +10,16 @@
 namespace tuft::rigs {
 
 struct OedometerRow {
-  double time = 0;        ///< s since the test began, middle of the interval
-  double cycle = 1;       ///< from 1
-  double direction = 1;   ///< 1 loading, -1 unloading
-  double travel = 0;      ///< m, of the plate, downwards
-  double compression = 0; ///< m, travel less what the contacts of both plates give way
-  double strain = 0;      ///< compression over the height as placed
-  double stress = 0;      ///< Pa, force over the ring's area
-  double force = 0;       ///< N, of the specimen on the upper plate
-  double force_below = 0; ///< N, on the lower plate
-  double force_ring = 0;  ///< N, on the ring, downwards: friction
+  double time = 0;           ///< s since the test began, middle of the interval
+  double cycle = 1;          ///< from 1
+  double direction = 1;      ///< 1 loading, -1 unloading
+  double travel = 0;         ///< m, of the plate, downwards
+  double compression = 0;    ///< m, travel less what the contacts of both plates give way
+  double strain = 0;         ///< compression over the height as placed
+  double stress = 0;         ///< Pa, force over the ring's area
+  double force = 0;          ///< N, of the specimen on the upper plate
+  double force_below = 0;    ///< N, on the lower plate
+  double force_ring = 0;     ///< N, on the ring, downwards: friction
   double inertia_force = 0;  ///< N, what the forces on the specimen and its weight do not balance
 
   static constexpr std::size_t count = 11;
@@ -27,8 +27,8 @@ struct OedometerRow {
   static OedometerRow of(std::span<const double> values);
 };
 
-/// Of one cycle. Moduli are secants between 10 % and 90 % of the cycle's largest stress; empty where a branch does
-/// not pass both.
+/// Of one cycle. Moduli are secants between 10 % and 90 % of the cycle's largest stress; empty where a branch
+/// does not pass both.
 struct CycleResults {
   std::optional<double> loading_modulus, unloading_modulus;  ///< Pa
   double peak_force = 0;                                     ///< N
@@ -42,7 +42,8 @@ struct CycleResults {
 [[nodiscard]] CycleResults evaluate_cycle(std::span<const OedometerRow> rows, double seating_force);
 
 /// Secant modulus between two stresses on the way up, Pa; empty where they are not passed.
-[[nodiscard]] std::optional<double> loading_secant(std::span<const OedometerRow> rows, double low, double high);
+[[nodiscard]] std::optional<double> loading_secant(std::span<const OedometerRow> rows, double low,
+                                                   double high);
 
 class Oedometer final : public SpecimenTest {
  public:
@@ -79,10 +80,10 @@ class Oedometer final : public SpecimenTest {
   std::vector<std::vector<OedometerRow>> rows_;  ///< by test
   std::size_t test_ = 0;
   double give_below_ = 0, give_above_ = 0;  ///< m/N, of the contacts of each plate
-  double weight_ = 0;      ///< N
-  double start_height_ = 0;  ///< m, plate at the beginning
-  double height_before_ = 0; ///< m, plate at the end of the last interval
-  double speed_ = 0;         ///< m/s, downwards, of the last interval
+  double weight_ = 0;                       ///< N
+  double start_height_ = 0;                 ///< m, plate at the beginning
+  double height_before_ = 0;                ///< m, plate at the end of the last interval
+  double speed_ = 0;                        ///< m/s, downwards, of the last interval
   int cycle_ = 1;
   bool loading_ = true;
 };

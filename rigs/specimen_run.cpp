@@ -25,7 +25,8 @@ std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene) {
   return std::make_unique<DirectShear>(scene);
 }
 
-std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig, std::size_t test) {
+std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig,
+                                                         std::size_t test) {
   coupler::SpecimenRequest request;
   const sph::Lattice lattice = rig.lattice();
   request.scene = &scene;
@@ -52,7 +53,7 @@ struct Tally {
   std::uint64_t steps_before = 0, particle_steps_before = 0;
   double energy_error = 0, momentum_error = 0;  ///< largest of the tests before this one
   double kinetic_share = 0;                     ///< the same
-  double most_kinetic = 0, most_work = 0;       ///< J, largest energy of motion and work done, of the test at hand
+  double most_kinetic = 0, most_work = 0;  ///< J, largest energy of motion and work done, of the test at hand
 };
 
 class SpecimenRunner {
@@ -121,7 +122,8 @@ class SpecimenRunner {
       }
       advance();
       const bool last = rig_->done() && tally_.test + 1 == rig_->tests();
-      const bool due = tally_.row % static_cast<std::uint64_t>(request_.scene.rig.specimen.checkpoint_rows) == 0;
+      const bool due =
+          tally_.row % static_cast<std::uint64_t>(request_.scene.rig.specimen.checkpoint_rows) == 0;
       const bool stop = request_.stop != nullptr && request_.stop->load();
       if (due || stop || last) checkpoint();
       if (due) ++checkpoints;
@@ -146,7 +148,8 @@ class SpecimenRunner {
     rig_->sample(*simulation_);
     const ScopedPhase phase(timers_, Phase::record);
     recorder_->record_history(time(), rig_->row(), simulation_->ledger());
-    if (tally_.row % static_cast<std::uint64_t>(request_.scene.rig.specimen.frame_rows) == 0 || rig_->done()) {
+    if (tally_.row % static_cast<std::uint64_t>(request_.scene.rig.specimen.frame_rows) == 0 ||
+        rig_->done()) {
       recorder_->record_frame(time(), *simulation_);
       recorder_->record_cost(time(), cost());
     }
@@ -196,7 +199,7 @@ class SpecimenRunner {
       root.write_scalar("row", tally_.row);
       root.write_scalar("steps_before", tally_.steps_before);
       root.write_scalar("particle_steps_before", tally_.particle_steps_before);
-      const std::vector<double> numbers{tally_.time_before, tally_.energy_error, tally_.momentum_error,
+      const std::vector<double> numbers{tally_.time_before,   tally_.energy_error, tally_.momentum_error,
                                         tally_.kinetic_share, tally_.most_kinetic, tally_.most_work};
       root.write("numbers", std::span<const double>(numbers));
       h5::Group simulation = root.create_group("simulation"), rig = root.create_group("rig");
@@ -338,9 +341,10 @@ RunPlan plan_specimen(const Scene& scene) {
   plan.infill_step = plan.window;
   plan.predicted_memory_bytes = peak_memory_bytes(0);
   if (scene.rig.specimen.speed_factor > 1)
-    plan.remarks.push_back(fmt::format(
-        "{:g} times faster than rig.speed: inertia_share and kinetic_share, which the run reports, must stay small",
-        scene.rig.specimen.speed_factor));
+    plan.remarks.push_back(
+        fmt::format("{:g} times faster than rig.speed: inertia_share and kinetic_share, which the run "
+                    "reports, must stay small",
+                    scene.rig.specimen.speed_factor));
   return plan;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-/// Runs of rigs that test infill alone: the contract of run.h without carpet, patch and settling. Frames, histories
-/// and energies of all tests follow one another in run.h5; /history/test says which is which (from 0).
+/// Runs of rigs that test infill alone: the contract of run.h without carpet, patch and settling. Frames,
+/// histories and energies of all tests follow one another in run.h5; /history/test says which is which (from
+/// 0).
 #include "rigs/run.h"
 
 namespace tuft::rigs {

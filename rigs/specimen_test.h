@@ -12,8 +12,8 @@
 
 namespace tuft::rigs {
 
-/// One rig with all its tests, which follow one another, each with a fresh specimen. Rows are measured at equal
-/// intervals; forces are means over an interval, travel is that of its middle.
+/// One rig with all its tests, which follow one another, each with a fresh specimen. Rows are measured at
+/// equal intervals; forces are means over an interval, travel is that of its middle.
 class SpecimenTest {
  public:
   SpecimenTest() = default;
@@ -25,7 +25,8 @@ class SpecimenTest {
   [[nodiscard]] virtual std::string label(std::size_t test) const = 0;  ///< "1500 N"
   [[nodiscard]] virtual sph::Lattice lattice() const = 0;
   [[nodiscard]] virtual std::vector<coupler::RigidBody> bodies(std::size_t test) const = 0;
-  [[nodiscard]] virtual double energy_scale(std::size_t test) const = 0;  ///< J, a small share of the work to be done
+  [[nodiscard]] virtual double energy_scale(
+      std::size_t test) const = 0;                    ///< J, a small share of the work to be done
   [[nodiscard]] virtual double interval() const = 0;  ///< s between rows
 
   /// A fresh specimen stands between its bodies.
@@ -34,9 +35,9 @@ class SpecimenTest {
   virtual void drive(coupler::Simulation& simulation) = 0;
   /// Measures the interval that was. Throws RunError for a test that cannot come to its end.
   virtual void sample(const coupler::Simulation& simulation) = 0;
-  [[nodiscard]] virtual bool done() const = 0;            ///< the test at hand
-  [[nodiscard]] virtual double share_done() const = 0;    ///< [0, 1], of the test at hand, estimated
-  [[nodiscard]] virtual std::string stage() const = 0;    ///< "loading 2"
+  [[nodiscard]] virtual bool done() const = 0;          ///< the test at hand
+  [[nodiscard]] virtual double share_done() const = 0;  ///< [0, 1], of the test at hand, estimated
+  [[nodiscard]] virtual std::string stage() const = 0;  ///< "loading 2"
   [[nodiscard]] virtual std::vector<HistoryColumn> columns() const = 0;
   [[nodiscard]] virtual std::vector<double> row() const = 0;  ///< the last one measured
 
@@ -53,18 +54,20 @@ class SpecimenTest {
 [[nodiscard]] std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene);
 
 /// A fresh specimen between the bodies of a test.
-[[nodiscard]] std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig,
+[[nodiscard]] std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene,
+                                                                       const SpecimenTest& rig,
                                                                        std::size_t test);
 
 /// Force of the specimen on a body over the last interval, N.
-[[nodiscard]] inline Vec3 mean_force(const coupler::Simulation& simulation, std::size_t body, double interval) {
+[[nodiscard]] inline Vec3 mean_force(const coupler::Simulation& simulation, std::size_t body,
+                                     double interval) {
   return simulation.interval_impulse()[body] / interval;
 }
 
 inline constexpr double standard_weight = 9.81;  ///< m/s^2, the gravity of the simulation
 
-/// Speeds of the plate or box: a change from one interval to the next is at most this share of the full speed, so
-/// that no wave is sent through the specimen.
+/// Speeds of the plate or box: a change from one interval to the next is at most this share of the full
+/// speed, so that no wave is sent through the specimen.
 inline constexpr double speed_step = 0.05;
 
 }  // namespace tuft::rigs

@@ -16,7 +16,9 @@ template <class KernelType>
 double row_slope(const KernelType& kernel, double distance, std::array<double, 2> across) {
   const double reach = 2 * kernel.h;
   double sum = 0;
-  const auto span = [&](int axis) { return static_cast<int>(reach / across[static_cast<std::size_t>(axis)]); };
+  const auto span = [&](int axis) {
+    return static_cast<int>(reach / across[static_cast<std::size_t>(axis)]);
+  };
   for (int a = -span(0); a <= span(0); ++a)
     for (int b = -span(1); b <= span(1); ++b) {
       const double x = a * across[0], y = b * across[1];
@@ -50,7 +52,8 @@ Eigen::VectorXd row_forces(const Eigen::VectorXd& weight, const std::vector<doub
   for (Eigen::Index i = 0; i < rows; ++i) {
     double moment = 0;
     for (Eigen::Index j = 0; j < rows; ++j)
-      moment += weight[j] * slope[static_cast<std::size_t>(std::abs(j - i))] * static_cast<double>(std::abs(j - i));
+      moment +=
+          weight[j] * slope[static_cast<std::size_t>(std::abs(j - i))] * static_cast<double>(std::abs(j - i));
     for (Eigen::Index j = 0; j < rows; ++j) {
       if (j == i) continue;
       const double sign = j > i ? 1 : -1;
@@ -77,7 +80,8 @@ int spaces_in(double length, double pitch, int fewest, const char* what) {
   const int spaces = static_cast<int>(std::lround(length / pitch));
   if (spaces < fewest)
     throw_input_error(
-        "infill.sph.pitch: {:.3g} mm leaves {} spaces between rows in the specimen's {} of {:.3g} mm, at least {} "
+        "infill.sph.pitch: {:.3g} mm leaves {} spaces between rows in the specimen's {} of {:.3g} mm, at "
+        "least {} "
         "are needed; make it {:.3g} mm or less",
         1e3 * pitch, spaces, what, 1e3 * length, fewest, 1e3 * length / fewest);
   return spaces;
@@ -105,7 +109,8 @@ std::vector<double> row_weights(int rows, double spacing, std::array<double, 2> 
     r[inner] = all.sum() - (rows - 1);
     return r;
   };
-  // Newton, by differences, in the least-squares sense: near the middle rows the equations say the same twice.
+  // Newton, by differences, in the least-squares sense: near the middle rows the equations say the same
+  // twice.
   constexpr int most = 50;
   constexpr double difference = 1e-6, longest = 0.2, close = 1e-13;
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -123,7 +128,8 @@ std::vector<double> row_weights(int rows, double spacing, std::array<double, 2> 
   }
   if (!half.allFinite() || !(half.minCoeff() > 0.1))
     throw_input_error(
-        "infill.sph: {} rows with a smoothing length of {:.3g} times their spacing leave no volumes in equilibrium; "
+        "infill.sph: {} rows with a smoothing length of {:.3g} times their spacing leave no volumes in "
+        "equilibrium; "
         "make infill.sph.pitch smaller or use preset \"accurate\"",
         rows, options.smoothing_length / spacing);
   const Eigen::VectorXd all = mirrored(half, rows);
@@ -147,7 +153,8 @@ Lattice fill_ring(const RingSpecimen& specimen, Index material, const SphOptions
   for (int k = 0; k <= rings; ++k) {
     const double radius = k * between_rings;
     const int count = std::max(1, 6 * k);
-    const double cell = k == 0 ? std::numbers::pi / 4 * between_rings * between_rings : between_rings * along_ring;
+    const double cell =
+        k == 0 ? std::numbers::pi / 4 * between_rings * between_rings : between_rings * along_ring;
     for (int c = 0; c < count; ++c) {
       const double angle = 2 * std::numbers::pi * c / count;
       for (int row = 0; row < rows; ++row) {
@@ -158,8 +165,7 @@ Lattice fill_ring(const RingSpecimen& specimen, Index material, const SphOptions
     }
   }
   const std::size_t count = lattice.volume.size();
-  scale_volumes(lattice.volume,
-                std::numbers::pi * specimen.radius * specimen.radius * specimen.height);
+  scale_volumes(lattice.volume, std::numbers::pi * specimen.radius * specimen.radius * specimen.height);
   lattice.layer.assign(count, 0);
   lattice.material.assign(count, material);
   lattice.radius.assign(count, 0.5 * spacing);
@@ -181,7 +187,8 @@ Lattice fill_box(const BoxSpecimen& specimen, Index material, const SphOptions& 
   for (int i = 0; i <= nx; ++i)
     for (int j = 0; j <= ny; ++j)
       for (int k = 0; k <= nz; ++k) {
-        lattice.position.push_back({i * dx - 0.5 * specimen.size[0], j * dy - 0.5 * specimen.size[1], k * dz});
+        lattice.position.push_back(
+            {i * dx - 0.5 * specimen.size[0], j * dy - 0.5 * specimen.size[1], k * dz});
         lattice.volume.push_back(dx * dy * dz * wx[static_cast<std::size_t>(i)] *
                                  wy[static_cast<std::size_t>(j)] * wz[static_cast<std::size_t>(k)]);
       }

@@ -19,7 +19,7 @@ struct Lattice {
   std::vector<double> volume;  ///< m^3, reference
   std::vector<Index> layer, material;
   std::vector<double> radius;  ///< m, of contact; empty: half the edge of a cube of the particle's volume
-  double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
+  double pitch = 0;            ///< m, in the plane (adjusted so that a whole number fits the patch)
 };
 
 /// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer

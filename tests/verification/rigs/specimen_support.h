@@ -1,7 +1,9 @@
 #pragma once
-/// Specimens of infill driven without a run's folder, and the law of a material point in one-dimensional compression.
+/// Specimens of infill driven without a run's folder, and the law of a material point in one-dimensional
+/// compression.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,12 +13,12 @@
 
 namespace tuft::rigs::test {
 
-/// Runs one test of a rig to its end. Returns the largest energy error.
+/// Runs one test of a rig to its end, or until `enough` says so. Returns the largest energy error.
 template <class Rig>
-double run_test(const Scene& scene, Rig& rig, std::size_t test) {
+double run_test(const Scene& scene, Rig& rig, std::size_t test, const std::function<bool()>& enough = {}) {
   const auto simulation = build_specimen_test(scene, rig, test);
   rig.begin(test, *simulation);
-  while (!rig.done()) {
+  while (!rig.done() && !(enough && enough())) {
     rig.drive(*simulation);
     simulation->advance_interval(rig.interval());
     rig.sample(*simulation);
@@ -24,9 +26,9 @@ double run_test(const Scene& scene, Rig& rig, std::size_t test) {
   return simulation->ledger().largest_error();
 }
 
-/// One point of the soil law in uniaxial strain, integrated here from its equations (docs/theory/sph.md): pressure
-/// along the table on first loading, dp = K de else; axial deviator ds = 4/3 G de, |s| <= 2/sqrt(3) sqrt(a0 + a1 p +
-/// a2 p^2).
+/// One point of the soil law in uniaxial strain, integrated here from its equations (docs/theory/sph.md):
+/// pressure along the table on first loading, dp = K de else; axial deviator ds = 4/3 G de, |s| <= 2/sqrt(3)
+/// sqrt(a0 + a1 p + a2 p^2).
 class UniaxialPoint {
  public:
   explicit UniaxialPoint(const SoilFoamMaterial& material) : m_(material) {}
@@ -43,9 +45,9 @@ class UniaxialPoint {
 
  private:
   static double at(const Curve& c, double x) {
-    const auto k = static_cast<std::size_t>(
-        std::clamp(std::upper_bound(c.x.begin(), c.x.end(), x) - c.x.begin(), std::ptrdiff_t{1},
-                   static_cast<std::ptrdiff_t>(c.x.size()) - 1));
+    const auto k =
+        static_cast<std::size_t>(std::clamp(std::upper_bound(c.x.begin(), c.x.end(), x) - c.x.begin(),
+                                            std::ptrdiff_t{1}, static_cast<std::ptrdiff_t>(c.x.size()) - 1));
     return c.y[k - 1] + (c.y[k] - c.y[k - 1]) * (x - c.x[k - 1]) / (c.x[k] - c.x[k - 1]);
   }
   void step(double de) {
@@ -54,7 +56,8 @@ class UniaxialPoint {
     e_ += de;
     p_ = std::min(p_ + modulus * de, at(m_.pressure, std::max(0.0, e_)));
     s_ += 4.0 / 3 * m_.shear_ratio * at(m_.unloading, std::max(0.0, 0.5 * (before + p_))) * de;
-    const double limit = 2 / std::sqrt(3.0) * std::sqrt(m_.yield_a0 + m_.yield_a1 * p_ + m_.yield_a2 * p_ * p_);
+    const double limit =
+        2 / std::sqrt(3.0) * std::sqrt(m_.yield_a0 + m_.yield_a1 * p_ + m_.yield_a2 * p_ * p_);
     s_ = std::clamp(s_, -limit, limit);
   }
 
