@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 
 #include "app/html.h"
@@ -174,13 +173,12 @@ std::string mohr_coulomb_plot(const Runs& runs) {
   double widest = 0;
   for (const RunData& run : runs)
     for (const double stress : rig_of(run).normal_stresses) widest = std::max(widest, 1.15e-3 * stress);
-  constexpr double gap = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto& results = runs[i].summary.results;
     const std::string style = fmt::format("c{}", i % 6);
-    Series crosses{runs[i].label + ", yields", style, {}, {}, false, false};
     const auto names = tests_of(runs[i]);
     double highest = 0;
+    bool first = true;
     for (const TestName& name : names)
       if (const auto found = results.find(name.prefix + "yield_stress"); found != results.end())
         highest = std::max(highest, 1e-3 * found->second.value);
@@ -188,10 +186,13 @@ std::string mohr_coulomb_plot(const Runs& runs) {
       const auto found = results.find(names[test].prefix + "yield_stress");
       if (found == results.end()) continue;
       const double x = 1e-3 * rig_of(runs[i]).normal_stresses[test], y = 1e-3 * found->second.value;
-      crosses.x.insert(crosses.x.end(), {x - 0.01 * widest, x + 0.01 * widest, gap, x, x, gap});
-      crosses.y.insert(crosses.y.end(), {y, y, gap, y - 0.03 * highest, y + 0.03 * highest, gap});
+      const double dx = 0.01 * widest, dy = 0.03 * highest;
+      Series cross{first ? runs[i].label + ", yields" : "", style, {}, {}, false, false};
+      first = false;
+      cross.x = {x - dx, x + dx, x, x, x};  // by way of the middle
+      cross.y = {y, y, y, y - dy, y + dy};
+      plot.series.push_back(std::move(cross));
     }
-    if (!crosses.x.empty()) plot.series.push_back(std::move(crosses));
     const auto cohesion = results.find("cohesion"), angle = results.find("friction_angle");
     if (cohesion == results.end() || angle == results.end()) continue;
     const double c = 1e-3 * cohesion->second.value,
