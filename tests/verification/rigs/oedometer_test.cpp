@@ -125,7 +125,8 @@ TEST(Oedometer, ResumedEndsInTheSameBits) {
                                          {"rig.speed_factor", "500.0"},
                                          {"rig.wall_friction", "0.2"},
                                          {"rig.frame_rows", "20"},
-                                         {"rig.checkpoint_rows", "17"}});
+                                         {"rig.checkpoint_rows", "17"},
+                                         {"numerics.contact_pressure", "50 kPa"}});
   RunRequest whole = request_in(root / "whole", scene), parts = request_in(root / "parts", scene);
   const RunSummary once = run(whole);
   ASSERT_EQ(once.status, "completed") << once.error;
