@@ -58,7 +58,8 @@ std::string cell(const std::map<std::string, rigs::Quantity>& values, const std:
   return q.unit == "1" ? format_percent(q.value) : format_quantity(q.value, q.unit);
 }
 
-/// A column of one table over a column of another, one curve a test; colours go on from run to run.
+/// A column of one table over a column of another, one curve a test. Of one run each test has a colour; of
+/// several each run has, and every second test is dashed.
 struct Axis {
   std::string column;
   double factor;
@@ -67,12 +68,15 @@ struct Axis {
 Plot plot_of_tests(const Runs& runs, const std::string& id, const std::string& x_label, const Axis& x,
                    const std::string& y_label, const Axis& y, bool y_of_energy, bool shearing_only) {
   Plot plot{id, x_label, y_label, {}, {}, {}};
-  std::size_t colour = 0;
-  for (const RunData& run : runs) {
+  const bool several = runs.size() > 1;
+  for (std::size_t number = 0; number < runs.size(); ++number) {
+    const RunData& run = runs[number];
     const TimeTable& table = y_of_energy ? run.energy : run.history;
     const auto names = tests_of(run);
     for (std::size_t test = 0; test < names.size(); ++test) {
-      Series series{label_of(runs, run, names[test]), fmt::format("c{}", colour++ % 6), {}, {}, false, false};
+      Series series{
+          label_of(runs, run, names[test]), fmt::format("c{}", (several ? number : test) % 6), {}, {}, false,
+          several && test % 2 == 1};
       if (!table.has(y.column) || !run.history.has(x.column) || !run.history.has("test")) continue;
       for (std::size_t row = 0; row < std::min(run.history.time.size(), table.time.size()); ++row) {
         if (static_cast<std::size_t>(run.history.at("test")[row]) != test) continue;
