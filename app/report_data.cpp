@@ -72,6 +72,9 @@ RunData read_run(const std::filesystem::path& folder) {
   }
   if (!run.scene && std::filesystem::exists(folder / "scene.toml", ignored))
     run.scene = rigs::read_run_scene(folder);
+  // Of a specimen its material tells more than the approach.
+  if (run.scene && run.scene->rig.is_specimen())
+    run.label = run.scene->materials.at(static_cast<std::size_t>(run.scene->rig.specimen.material)).name;
   return run;
 }
 

@@ -150,6 +150,26 @@ std::string report_effects(const Runs& runs) {
   return html_section("effects", "Effects", table.html());
 }
 
+std::string report_specimen_inputs(const Runs& runs) {
+  HtmlTable table{"settings-table", "", run_header("", runs), {}, false};
+  const auto add = [&](const std::string& name, const std::function<std::string(const Scene&)>& text) {
+    std::vector<std::string> row{name};
+    for (const RunData& run : runs) row.push_back(text(*run.scene));
+    table.rows.push_back(std::move(row));
+  };
+  add("Pitch of the particles", [](const Scene& s) { return format_quantity(s.infill.sph.pitch, "m"); });
+  add("Smoothing length", [](const Scene& s) { return format_quantity(s.infill.sph.smoothing_length, "m"); });
+  add("Friction on side walls", [](const Scene& s) { return format_input(s.rig.specimen.wall_friction); });
+  add("Step safety", [](const Scene& s) { return format_input(s.numerics.step_safety); });
+  std::string text = "<div class=\"columns\">\n" + table.html() + notes_table(runs) + "</div>\n";
+  for (const RunData& run : runs)
+    text += fmt::format("<h3>Material of {}</h3>\n", escape_html(run.label)) + materials_table(*run.scene);
+  return html_section("inputs", "Settings and materials",
+                      text +
+                          "<p class=\"note\">All inputs with every default written out are in "
+                          "<code>scene.toml</code> in each run’s folder.</p>\n");
+}
+
 std::string report_inputs(const Runs& runs) {
   std::string text = "<div class=\"columns\">\n" + settings_table(runs) + notes_table(runs) + "</div>\n";
   const auto with_scene =

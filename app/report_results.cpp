@@ -46,9 +46,12 @@ std::string describe_states(const Runs& runs) {
   std::string text;
   for (const RunData& run : runs) {
     text += fmt::format(
-        "<p class=\"run\"><b>{}</b> {} {} simulated to {} after release, in {}", escape_html(run.label),
-        state_badge(run.summary), run.summary.status == "completed" ? "" : "·",
-        format_quantity(run.summary.simulated_time, "s"), format_duration(run.summary.wall_s));
+        "<p class=\"run\"><b>{}</b> {} {} {} in {}", escape_html(run.label), state_badge(run.summary),
+        run.summary.status == "completed" ? "" : "·",
+        run.scene && run.scene->rig.is_specimen()
+            ? fmt::format("{} simulated", format_quantity(run.summary.simulated_time, "s"))
+            : fmt::format("simulated to {} after release,", format_quantity(run.summary.simulated_time, "s")),
+        format_duration(run.summary.wall_s));
     if (!run.summary.error.empty())
       text += fmt::format("<br><span class=\"error\">{}</span>", escape_html(run.summary.error));
     text += "</p>\n";
@@ -91,6 +94,11 @@ std::string report_head(const Runs& runs) {
   std::string text = fmt::format("<header>\n<h1>{}</h1>\n", escape_html(first.summary.scene_name));
   if (first.scene && first.scene->rig.is_component()) {
     text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n", describe_tension_rig(*first.scene));
+  } else if (first.scene && first.scene->rig.is_specimen()) {
+    text += "<dl>\n";
+    for (const RunData& run : runs)
+      if (run.scene && run.scene->rig.is_specimen())
+        text += fmt::format("<dt>Rig</dt><dd>{}</dd>\n", describe_specimen_rig(*run.scene));
   } else if (first.scene) {
     text += fmt::format("<dl>\n<dt>Rig</dt><dd>{}</dd>\n<dt>Turf</dt><dd>{}</dd>\n",
                         describe_rig(*first.scene), describe_turf(*first.scene, has_fibres(first)));

@@ -26,6 +26,13 @@ using Runs = std::vector<RunData>;
 [[nodiscard]] std::string report_tension(const Runs& runs);
 [[nodiscard]] std::string report_tension_inputs(const Runs& runs);
 
+/// Runs of rigs that test infill alone, the same.
+[[nodiscard]] bool all_of_specimens(const Runs& runs);
+[[nodiscard]] std::string describe_specimen_rig(const Scene& scene);
+[[nodiscard]] std::string report_specimen(const Runs& runs);
+/// Settings and materials of runs without a patch.
+[[nodiscard]] std::string report_specimen_inputs(const Runs& runs);
+
 /// CSS class of a run's colour: SPH and DEM keep theirs on every page where each occurs once.
 [[nodiscard]] std::string run_style(const Runs& runs, std::size_t index);
 /// Time zero of a run's curves: first touch, else release. s since release.

@@ -15,6 +15,9 @@ int check(const SceneArguments& arguments) {
   if (scene.rig.is_component())
     fmt::print("{}: {}, {} shells, {} steps of {}\n", arguments.scene, scene.rig.type,
                format_count(plan.shells), format_count(plan.windows), format_quantity(plan.carpet_step, "s"));
+  else if (scene.rig.is_specimen())
+    fmt::print("{}: {}, {} particles, about {} steps\n", arguments.scene, scene.rig.type,
+               format_count(plan.particles), format_count(plan.windows));
   else
     fmt::print("{}: {} infill, {} particles, {} shells, {} windows of {}\n", arguments.scene,
                scene.infill.approach == Approach::sph ? "SPH" : "DEM", format_count(plan.particles),

@@ -69,11 +69,35 @@ void explain_component(const Scene& scene, const rigs::RunPlan& plan) {
   fmt::print("\nTests\n{}\nSizes\n{}", tests.text(), sizes.text());
 }
 
+/// Of a rig that tests infill alone.
+void explain_specimen(const Scene& scene, const rigs::RunPlan& plan) {
+  const SpecimenRig& rig = scene.rig.specimen;
+  const bool ring = scene.rig.type == "oedometer";
+  fmt::print("{} ({}, SPH infill)\n\nEffects\n{}", scene.info.name, scene.rig.type, effects_table(plan));
+  TextTable tests({"", ring ? "preload" : "normal stress"});
+  for (std::size_t i = 0; i < (ring ? rig.preloads : rig.normal_stresses).size(); ++i)
+    tests.add({fmt::format("test {}", i + 1),
+               ring ? format_quantity(rig.preloads[i], "N") : format_quantity(rig.normal_stresses[i], "Pa")});
+  TextTable sizes;
+  sizes.add({"material", scene.materials.at(static_cast<std::size_t>(rig.material)).name});
+  sizes.add(
+      {"specimen", ring ? fmt::format("{} across, {} high", format_quantity(rig.diameter, "m"),
+                                      format_quantity(rig.height, "m"))
+                        : fmt::format("{} x {}, {} high", format_quantity(rig.size[0], "m"),
+                                      format_quantity(rig.size[1], "m"), format_quantity(rig.height, "m"))});
+  sizes.add({"particles", format_count(plan.particles)});
+  sizes.add({"step at first", format_quantity(plan.window, "s")});
+  sizes.add({"steps, about", format_count(plan.windows)});
+  fmt::print("\nTests\n{}\nSizes\n{}", tests.text(), sizes.text());
+}
+
 int explain(const SceneArguments& arguments) {
   const Scene scene = read_scene_arguments(arguments);
   const rigs::RunPlan plan = rigs::plan(scene);
   if (scene.rig.is_component()) {
     explain_component(scene, plan);
+  } else if (scene.rig.is_specimen()) {
+    explain_specimen(scene, plan);
   } else {
     fmt::print("{} ({} infill)\n", scene.info.name, scene.infill.approach == Approach::sph ? "SPH" : "DEM");
     fmt::print("\nEffects\n{}", effects_table(plan));

@@ -48,7 +48,8 @@ bool depends_on_speed(const FrictionLaw& law) {
   return law.decay > 0 && law.dynamic_coefficient != law.static_coefficient;
 }
 
-Need need_fibres(const Scene&) {
+Need need_fibres(const Scene& scene) {
+  if (scene.rig.is_specimen()) return {false, "a specimen of infill has no carpet"};
   return {true, "the turf has a carpet: its strands confine the infill and carry part of the load"};
 }
 
@@ -56,7 +57,7 @@ Need need_friction_rate(const Scene& scene) {
   const std::string name = first_with(scene, [](const Material& m) {
     return depends_on_speed(m.fibre_friction) || depends_on_speed(m.body_friction);
   });
-  if (name.empty() && depends_on_speed(scene.turf.carpet.body_friction))
+  if (name.empty() && !scene.rig.is_specimen() && depends_on_speed(scene.turf.carpet.body_friction))
     return {true, "friction of the carpet on bodies changes with sliding speed"};
   if (name.empty()) return {false, "no material's friction changes with sliding speed"};
   return {true, "friction of " + name + " changes with sliding speed (static and dynamic differ, decay > 0)"};
@@ -85,19 +86,21 @@ Need need_rolling_resistance(const Scene& scene) {
 }
 
 Need need_overlap_release(const Scene& scene) {
+  if (scene.rig.is_specimen()) return {false, "a specimen is placed without overlap"};
   if (scene.numerics.contact_release_time == 0) return {false, "numerics.contact_release_time is 0"};
   return {true, "infill placed among fibres overlaps them at the start; the overlap is let go gradually"};
 }
 
 Need need_contact_damping(const Scene& scene) {
   const std::string name = first_with(scene, [](const Material& m) { return m.contact_restitution < 1; });
-  if (name.empty() && scene.turf.carpet.contact_restitution < 1)
+  if (name.empty() && !scene.rig.is_specimen() && scene.turf.carpet.contact_restitution < 1)
     return {true, "contacts of the carpet with bodies lose energy (contact_restitution below 1)"};
   if (name.empty()) return {false, "every material has contact_restitution 1"};
   return {true, "contacts of " + name + " lose energy (contact_restitution below 1)"};
 }
 
 Need need_erosion(const Scene& scene) {
+  if (scene.rig.is_specimen()) return {false, "a specimen of infill has no shells"};
   const CarpetDesign& carpet = scene.turf.carpet;
   const bool strand = scene.rig.type != "backing_tension", backing = scene.rig.type != "strand_tension";
   if (strand && carpet.fibre.can_fail()) return {true, "turf.carpet.fibre has a failure_strain"};
@@ -226,9 +229,14 @@ EffectDecision decide(const EffectRule& rule, const Scene& scene) {
 
 std::vector<EffectDecision> decide_effects(const Scene& scene) {
   std::vector<EffectDecision> decisions;
-  // A strip of the carpet's material can fail; the others are effects of a filled turf.
+  // A strip of the carpet's material can fail; infill alone lacks what takes a carpet; all are effects of a
+  // filled turf.
+  const auto can_act = [&](std::string_view name) {
+    if (scene.rig.is_component()) return name == "erosion";
+    return !scene.rig.is_specimen() || (name != "erosion" && name != "fibres" && name != "overlap_release");
+  };
   for (const EffectRule& rule : rules)
-    if (!scene.rig.is_component() || rule.name == "erosion") decisions.push_back(decide(rule, scene));
+    if (can_act(rule.name)) decisions.push_back(decide(rule, scene));
   return decisions;
 }
 

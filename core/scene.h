@@ -237,7 +237,7 @@ enum class Approach { sph, dem };
 enum class Kernel { cubic_spline, wendland_c2 };
 
 struct SphOptions {
-  std::string preset = "accurate";  ///< accurate | fast | paper | custom
+  std::string preset = "accurate";  ///< accurate | fast | paper | specimen | custom
   double pitch = 0.002;             ///< m, lattice spacing
   double smoothing_length = 0;      ///< m; set by the preset unless given
   Kernel kernel = Kernel::wendland_c2;
@@ -301,13 +301,47 @@ struct TensionRig {
   double mass_factor = 1;     ///< >= 1, of the density, for longer steps in slow tests
 };
 
+/// What the shear strain of a direct shear test is: the displacement of the halves over the specimen's length
+/// (the relative lateral displacement of ASTM D3080), or over its height.
+enum class ShearStrainBasis { length, height };
+
+/// Tests of infill alone between rigid walls, a fresh specimen for each load of a list: `oedometer`
+/// (one-dimensional compression in a ring, loaded and unloaded in cycles at constant speed of the upper
+/// plate) and `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
+/// load).
+struct SpecimenRig {
+  Index material = 0;         ///< index into Scene::materials
+  double height = 0;          ///< m; 0: 12.7 mm in the ring, 19.5 mm in the box
+  double speed = 0;           ///< m/s, of the plate or the lower half; 0: 1 mm/s, 0.1 mm/s
+  double speed_factor = 1;    ///< >= 1, the test runs so many times faster
+  double wall_friction = 0;   ///< of the infill on ring or side walls
+  double sample_travel = 0;   ///< m between rows at full speed; 0: 2 um, 10 um
+  int frame_rows = 500;       ///< rows between frames
+  int checkpoint_rows = 500;  ///< rows between checkpoints
+
+  double diameter = 0.0535;            ///< m, of the ring
+  std::vector<double> preloads{1500};  ///< N, a test each
+  int cycles = 4;                      ///< of loading to the preload and unloading
+  double seating_force = 5;            ///< N, to which the plate is unloaded
+
+  std::array<double, 2> size{0.05, 0.05};                    ///< m, x (the shearing) and y of the box
+  std::vector<double> normal_stresses{100e3, 200e3, 300e3};  ///< Pa, a test each
+  double load_time = 0.02;     ///< s, over which the normal load rises, and is held again
+  double platen_friction = 1;  ///< of the infill on the plates above and below
+  double yield_strain = 0.12;  ///< shear strain at which the yield is read
+  ShearStrainBasis strain_basis = ShearStrainBasis::length;
+};
+
 struct Rig {
   std::string type = "clegg";
   CleggRig clegg;
-  TensionRig tension;  ///< of the types strand_tension and backing_tension
+  TensionRig tension;    ///< of the types strand_tension and backing_tension
+  SpecimenRig specimen;  ///< of the types oedometer and direct_shear
 
   /// A rig that tests the carpet's material alone: no patch, no infill, no settling.
   [[nodiscard]] bool is_component() const { return type == "strand_tension" || type == "backing_tension"; }
+  /// A rig that tests infill alone: no carpet, no patch, no settling.
+  [[nodiscard]] bool is_specimen() const { return type == "oedometer" || type == "direct_shear"; }
 };
 
 enum class Switch { off, on, automatic };

@@ -14,7 +14,9 @@ constexpr double margin_over_missile = 0.10;  // of its diameter, on each side o
 constexpr double share_tolerance = 1e-6;
 constexpr double wendland_over_pitch = 1.3;  // about 75 neighbours (PHYSICS section 2)
 constexpr double backing_strip_along = 0.016, backing_strip_across = 0.021;  // m, Bustamante et al. 2024
-constexpr double fast_over_pitch = 1.0;        // about 30 neighbours (docs/theory/sph.md, Presets)
+constexpr double fast_over_pitch = 1.0;  // about 30 neighbours (docs/theory/sph.md, Presets)
+constexpr double specimen_over_pitch =
+    0.9;  // rows on the walls stay in order to 30 % strain (docs/rigs/oedometer.md)
 constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
 
 std::string in_mm(double metres) {
@@ -107,13 +109,15 @@ std::optional<PresetValues> preset_values(const std::string& preset) {
   if (preset == "accurate") return PresetValues{Kernel::wendland_c2, wendland_over_pitch};
   if (preset == "fast") return PresetValues{Kernel::cubic_spline, fast_over_pitch};
   if (preset == "paper") return PresetValues{Kernel::cubic_spline, published_over_pitch, false};
+  if (preset == "specimen") return PresetValues{Kernel::cubic_spline, specimen_over_pitch};
   return std::nullopt;
 }
 
 /// A preset decides kernel and smoothing length. Values of the user's own need preset "custom", lest a later
 /// change of the pitch leave a smoothing length behind that the preset's name belies.
-void complete_sph(SphOptions& sph, const Places& places) {
+void complete_sph(SphOptions& sph, const Places& places, bool of_specimen) {
   const bool preset_given = places.has("infill.sph.preset");
+  if (!preset_given && of_specimen) sph.preset = "specimen";
   const bool own_length = places.has("infill.sph.smoothing_length") && sph.smoothing_length > 0;
   const bool own_kernel = places.has("infill.sph.kernel");
   if (!preset_given && own_length) sph.preset = "custom";
@@ -219,6 +223,43 @@ void complete_tension(Scene& scene, const Places& places) {
   for (const double rate : rig.rates) scene.info.duration += rig.strain_limit / rate;
 }
 
+/// What the published tests have (Bustamante et al. 2024; ASTM D2435 and D3080).
+struct SpecimenDefaults {
+  double height, speed, sample_travel;
+};
+constexpr SpecimenDefaults published_ring{0.0127, 1e-3, 2e-6}, published_box{0.0195, 1e-4, 10e-6};
+
+void complete_specimen(Scene& scene, const Places& places) {
+  SpecimenRig& rig = scene.rig.specimen;
+  const bool ring = scene.rig.type == "oedometer";
+  const SpecimenDefaults& defaults = ring ? published_ring : published_box;
+  if (rig.height == 0) rig.height = defaults.height;
+  if (rig.speed == 0) rig.speed = defaults.speed;
+  if (rig.sample_travel == 0) rig.sample_travel = defaults.sample_travel;
+  if (scene.infill.approach == Approach::dem)
+    places.fail("infill.approach", fmt::format("grains cannot fill the {} of rig \"{}\" yet; use \"sph\"",
+                                               ring ? "ring" : "box", scene.rig.type));
+  const auto& material = scene.materials.at(static_cast<std::size_t>(rig.material));
+  if (!material.continuum)
+    places.fail("rig.material",
+                fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
+  const std::vector<double>& loads = ring ? rig.preloads : rig.normal_stresses;
+  const char* name = ring ? "preloads" : "normal_stresses";
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    if (std::count(loads.begin(), loads.end(), loads[i]) > 1)
+      places.fail(fmt::format("rig.{}.{}", name, i), "given twice; leave one out");
+    if (ring && !(rig.seating_force < 0.5 * loads[i]))
+      places.fail(fmt::format("rig.preloads.{}", i),
+                  fmt::format("must be more than twice rig.seating_force ({:g} N)", rig.seating_force));
+  }
+  if (rig.sample_travel > 0.01 * rig.height)
+    places.fail(
+        "rig.sample_travel",
+        fmt::format("is more than a hundredth of the height ({}); make it smaller", in_mm(rig.height)));
+  // Effects ask the layers what touches.
+  scene.turf.layers = {{rig.material, rig.height}};
+}
+
 /// An effect that is asked for must have something to act on.
 void check_effects(const Scene& scene, const Places& places) {
   if (const auto idle = idle_effect(scene))
@@ -244,10 +285,16 @@ void complete_material(Material& material, Index self, const std::string& path, 
 }
 
 void complete_scene(Scene& scene, const Places& places) {
+  if (scene.rig.is_specimen()) {
+    complete_sph(scene.infill.sph, places, true);
+    complete_specimen(scene, places);
+    check_effects(scene, places);
+    return;
+  }
   check_shell_material(scene.turf.carpet.fibre, "turf.carpet.fibre", places);
   check_shell_material(scene.turf.carpet.backing, "turf.carpet.backing", places);
   if (scene.rig.is_component()) return complete_tension(scene, places);
-  complete_sph(scene.infill.sph, places);
+  complete_sph(scene.infill.sph, places, false);
   check_dem_names(scene, places);
   check_layers(scene, places);
   check_tray(scene, places);

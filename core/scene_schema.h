@@ -138,7 +138,9 @@ void describe_friction(KeyVisitor& keys, FrictionLaw& law);
 void describe_infill(KeyVisitor& keys, InfillChoice& infill);
 void describe_rig(KeyVisitor& keys, Rig& rig);
 void describe_effects(KeyVisitor& keys, Effects& effects);
-void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled);
+/// What a rig loads: a filled carpet, the carpet's material alone, infill alone.
+enum class RigKind { turf, component, specimen };
+void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind);
 void describe_output(KeyVisitor& keys, Output& output);
 /// Everything of a point test but its materials.
 void describe_point_test(KeyVisitor& keys, PointTest& test);

@@ -6,10 +6,12 @@ namespace tuft::schema {
 namespace {
 
 constexpr std::string_view approaches[] = {"sph", "dem"};
-constexpr std::string_view presets[] = {"accurate", "fast", "paper", "custom"};
+constexpr std::string_view presets[] = {"accurate", "fast", "paper", "specimen", "custom"};
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
-constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension"};
+constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension", "oedometer",
+                                     "direct_shear"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
+constexpr std::string_view strain_bases[] = {"length", "height"};
 constexpr std::string_view strip_grips[] = {"hold_width", "let_contract"};
 
 constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
@@ -18,7 +20,7 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
   keys.choice(
       {"preset",
        "accurate: Wendland C2, h = 1.3 pitch; fast: cubic spline, h = pitch; paper: cubic spline, h = 0.71 "
-       "pitch; custom"},
+       "pitch; specimen (of oedometer and direct_shear where left out): cubic spline, h = 0.9 pitch; custom"},
       sph.preset, presets);
   keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
   keys.quantity({"smoothing_length", "h, half the kernel's support; left out: by the preset"},
@@ -84,6 +86,51 @@ void describe_tension(KeyVisitor& keys, TensionRig& tension, bool of_backing) {
       tension.mass_factor, at_least_one);
 }
 
+void describe_specimen(KeyVisitor& keys, SpecimenRig& specimen, bool ring, bool box) {
+  keys.material(required("material", "oedometer, direct_shear: the infill that is tested"),
+                specimen.material);
+  keys.quantity({"height", "specimen: height as placed; 0: 12.7 mm in the ring, 19.5 mm in the box"},
+                specimen.height, "m", non_negative);
+  keys.quantity(
+      {"speed", "specimen: of the upper plate (0: 1 mm/s) or the lower half of the box (0: 0.1 mm/s)"},
+      specimen.speed, "m/s", non_negative);
+  keys.number(
+      {"speed_factor", "specimen: tests run so many times faster; inertia_share says what is allowed"},
+      specimen.speed_factor, at_least_one);
+  keys.number({"wall_friction", "specimen: friction of the infill on ring or side walls"},
+              specimen.wall_friction, non_negative);
+  keys.quantity(
+      {"sample_travel", "specimen: travel between rows at full speed; 0: 2 um in the ring, 10 um in the box"},
+      specimen.sample_travel, "m", non_negative);
+  keys.integer({"frame_rows", "specimen: rows between frames"}, specimen.frame_rows, {1, 1e9, false, false});
+  keys.integer({"checkpoint_rows", "specimen: rows between checkpoints"}, specimen.checkpoint_rows,
+               {1, 1e9, false, false});
+  if (ring) {
+    keys.quantity({"diameter", "oedometer: inner diameter of the ring"}, specimen.diameter, "m", positive);
+    keys.quantity_list({"preloads", "oedometer: force at which the plate turns back, a test each"},
+                       specimen.preloads, "N", positive);
+    keys.integer({"cycles", "oedometer: loadings and unloadings"}, specimen.cycles, {1, 1000, false, false});
+    keys.quantity({"seating_force", "oedometer: force at which unloading ends"}, specimen.seating_force, "N",
+                  positive);
+  }
+  if (box) {
+    keys.quantities({"size", "direct_shear: the box, along the shearing and across"}, specimen.size, "m",
+                    positive);
+    keys.quantity_list(
+        {"normal_stresses", "direct_shear: load on the upper plate over the box's area, a test each"},
+        specimen.normal_stresses, "Pa", positive);
+    keys.quantity({"load_time", "direct_shear: time in which the normal load rises, and again is held"},
+                  specimen.load_time, "s", positive);
+    keys.number({"platen_friction", "direct_shear: friction of the infill on the plates above and below"},
+                specimen.platen_friction, non_negative);
+    keys.number({"yield_strain", "direct_shear: shear strain at which the yield is read and the test ends"},
+                specimen.yield_strain, {0, 0.5, true, false});
+    keys.enumeration(
+        {"strain_basis", "direct_shear: shear strain is displacement over the length, or the height"},
+        specimen.strain_basis, strain_bases);
+  }
+}
+
 }  // namespace
 
 void describe_infill(KeyVisitor& keys, InfillChoice& infill) {
@@ -97,6 +144,9 @@ void describe_rig(KeyVisitor& keys, Rig& rig) {
   if (rig.type == "clegg" || keys.of_all_rigs()) describe_clegg(keys, rig.clegg);
   if (rig.is_component() || keys.of_all_rigs())
     describe_tension(keys, rig.tension, rig.type == "backing_tension" || keys.of_all_rigs());
+  if (rig.is_specimen() || keys.of_all_rigs())
+    describe_specimen(keys, rig.specimen, rig.type == "oedometer" || keys.of_all_rigs(),
+                      rig.type == "direct_shear" || keys.of_all_rigs());
 }
 
 void describe_effects(KeyVisitor& keys, Effects& effects) {
@@ -106,13 +156,17 @@ void describe_effects(KeyVisitor& keys, Effects& effects) {
   }
 }
 
-void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled) {
+void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
   keys.number({"step_safety", "share of every part's stable step"}, numerics.step_safety, share);
-  keys.number({"sleep_tolerance", "strain of waves under which SPH infill at rest is not computed; 0: all is"},
-              numerics.sleep_tolerance, {0, 1, false, true});
-  if (!coupled) {
+  if (kind != RigKind::turf) {
     keys.number({"energy_error_limit", "relative energy error that stops the run"},
                 numerics.energy_error_limit, positive);
+    if (kind == RigKind::specimen) {
+      keys.quantity({"contact_pressure", "highest expected: sets the contact stiffness of the continuum"},
+                    numerics.contact_pressure, "Pa", positive);
+      keys.number({"contact_stiffness_factor", "contact stiffness over constrained modulus x pitch"},
+                  numerics.contact_stiffness_factor, positive);
+    }
     keys.integer({"threads", "0: all cores"}, numerics.threads, {0, 4096, false, false});
     return;
   }
@@ -122,6 +176,9 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, bool coupled) {
   keys.flag(
       {"subcycle_carpet", "backing or fibres, whichever bears it, stepped at a multiple of the other's step"},
       numerics.subcycle_carpet);
+  keys.number(
+      {"sleep_tolerance", "strain of waves under which SPH infill at rest is not computed; 0: all is"},
+      numerics.sleep_tolerance, {0, 1, false, true});
   keys.quantity(
       {"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
       numerics.coupling_window, "s", non_negative);

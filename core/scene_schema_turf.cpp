@@ -255,41 +255,46 @@ void describe_material(KeyVisitor& keys, Material& material) {
 
 void describe_scene(KeyVisitor& keys, Scene& scene,
                     const std::function<void(KeyVisitor&, CarpetDesign&)>& carpet) {
-  // Of a component rig the test itself says how long it takes, and there is neither patch nor infill.
-  const bool coupled = !scene.rig.is_component() || keys.of_all_rigs();
+  // Of a component rig and of a specimen the test itself says how long it takes, and there is no patch.
+  const RigKind kind = keys.of_all_rigs()         ? RigKind::turf
+                       : scene.rig.is_component() ? RigKind::component
+                       : scene.rig.is_specimen()  ? RigKind::specimen
+                                                  : RigKind::turf;
+  const bool turf = kind == RigKind::turf, infill = kind != RigKind::component;
   keys.table({"scene", "the scene as a whole"}, [&](KeyVisitor& inside) {
     inside.text({"name", "a name for reports; left out: the file's"}, scene.info.name);
-    if (coupled)
+    if (turf)
       inside.quantity(required("duration", "time to simulate from the release of the rig"),
                       scene.info.duration, "s", positive);
   });
-  keys.table({"turf", "carpet, patch and layers"}, [&](KeyVisitor& inside) {
-    inside.text({"design", "a file of turfs/; or give [turf.carpet]"}, scene.turf.design);
-    if (coupled) {
-      inside.quantities(required("size", "x and y of the patch"), scene.turf.size, "m", positive);
-      inside.quantity({"tray_depth", "height of the tray's walls; left out: infill depth + 20 mm"},
-                      scene.turf.tray_depth, "m", non_negative);
-    }
-    inside.table({"carpet", "the carpet itself; with a design: keys that differ from it"},
-                 [&](KeyVisitor& keys_of_carpet) { carpet(keys_of_carpet, scene.turf.carpet); });
-    if (coupled)
-      inside.list<Layer>(required("layers", "infill, bottom to top"), scene.turf.layers, describe_layer);
-  });
-  if (coupled) {
+  if (kind != RigKind::specimen)
+    keys.table({"turf", "carpet, patch and layers"}, [&](KeyVisitor& inside) {
+      inside.text({"design", "a file of turfs/; or give [turf.carpet]"}, scene.turf.design);
+      if (turf) {
+        inside.quantities(required("size", "x and y of the patch"), scene.turf.size, "m", positive);
+        inside.quantity({"tray_depth", "height of the tray's walls; left out: infill depth + 20 mm"},
+                        scene.turf.tray_depth, "m", non_negative);
+      }
+      inside.table({"carpet", "the carpet itself; with a design: keys that differ from it"},
+                   [&](KeyVisitor& keys_of_carpet) { carpet(keys_of_carpet, scene.turf.carpet); });
+      if (turf)
+        inside.list<Layer>(required("layers", "infill, bottom to top"), scene.turf.layers, describe_layer);
+    });
+  if (infill)
     keys.table({"infill", "how the infill is described"},
                [&](KeyVisitor& inside) { describe_infill(inside, scene.infill); });
+  if (turf)
     keys.table({"conditioning", "what the turf went through before"}, [&](KeyVisitor& inside) {
       static constexpr std::string_view methods[] = {"none"};
       inside.choice({"method", "none"}, scene.conditioning.method, methods);
     });
-  }
   keys.table({"rig", "what loads the turf"}, [&](KeyVisitor& inside) { describe_rig(inside, scene.rig); });
-  if (coupled)
+  if (infill)
     keys.table({"effects", "physics to switch: true, false, or \"auto\": on where the scene needs it"},
                [&](KeyVisitor& inside) { describe_effects(inside, scene.effects); });
   keys.table({"numerics", "steps and limits"},
-             [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics, coupled); });
-  if (coupled)
+             [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics, kind); });
+  if (turf)
     keys.table({"output", "what is recorded"},
                [&](KeyVisitor& inside) { describe_output(inside, scene.output); });
 }

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
 
 namespace tuft::coupler {
 namespace {
+
+constexpr double tangential_ratio = ContactParameters{}.tangential_ratio;
 
 SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahead) {
   const Vec3 relative = point - body.position - ahead * body.velocity;
@@ -51,8 +54,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactHistory& history = histories_[pair];
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
-  const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], 0.5,
-                                     settings_.friction[i]};
+  const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], tangential_ratio,
+                                     body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double overlap = points.radius[i] - surface.distance;
   ContactKinematics kinematics;
@@ -103,6 +106,19 @@ double BodyContact::largest_frequency_squared(std::span<const double> mass) cons
   double largest = 0;
   for (std::size_t i = 0; i < mass.size(); ++i) largest = std::max(largest, settings_.stiffness[i] / mass[i]);
   return largest;
+}
+
+double BodyContact::stable_step(std::span<const double> mass) const {
+  // Of each point the bodies near it; before the first search it may be any three.
+  std::vector<int> near(mass.size(), searched_ ? 0 : 3);
+  for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    const double zeta = settings_.damping_ratio[i];
+    const double stiffness = settings_.stiffness[i] * (1 + tangential_ratio * std::max(0, near[i] - 1));
+    smallest = std::min(smallest, 2 * std::sqrt(mass[i] / stiffness) * (std::sqrt(1 + zeta * zeta) - zeta));
+  }
+  return smallest;
 }
 
 void BodyContact::save(h5::Group& group) const {

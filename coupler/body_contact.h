@@ -13,7 +13,7 @@ namespace tuft::coupler {
 struct BodyContactSettings {
   std::vector<double> stiffness;      ///< N/m, per point
   std::vector<double> damping_ratio;  ///< per point
-  std::vector<FrictionLaw> friction;  ///< per point, against bodies
+  std::vector<FrictionLaw> friction;  ///< per point, against bodies that have none of their own
 };
 
 /// Impulses on bodies and their tally, one entry a body.
@@ -38,10 +38,15 @@ class BodyContact {
 
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
+  [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
   /// Largest stiffness over mass of the points, 1/s^2: bounds the step together with the points' own
   /// stiffness.
   [[nodiscard]] double largest_frequency_squared(std::span<const double> mass) const;
+  /// Largest stable step of the contacts alone, s, 2/omega (sqrt(1 + zeta^2) - zeta) with the dashpots, whose
+  /// force is taken from the velocity half a step before. A point between several bodies feels the tangential
+  /// springs of the others beside the normal one.
+  [[nodiscard]] double stable_step(std::span<const double> mass) const;
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);

@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "coupler/settled_packing.h"
 #include "fe_carpet/mesh_import.h"
-#include "sph_infill/sph_infill.h"
 
 namespace tuft::coupler {
 namespace {
@@ -19,9 +18,8 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
 }
 
-std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects) {
-  const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
-  const sph::Lattice lattice = sph::make_lattice(scene.turf, box, scene.infill.sph.pitch);
+std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                  const sph::Lattice& lattice) {
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
                                   effect_on(effects, "tension_cutoff"),
                                   effect_on(effects, "zero_energy_control"),
@@ -139,7 +137,9 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.node_radius = node_radii(mesh);
 
   if (scene.infill.approach == Approach::sph) {
-    parts.infill = build_sph(scene, request.effects);
+    const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
+    parts.infill =
+        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch));
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
     parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
@@ -195,6 +195,29 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.time = -scene.numerics.settle_time;
   built.simulation = std::make_unique<Simulation>(std::move(parts));
   return built;
+}
+
+std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
+  const Scene& scene = *request.scene;
+  const sph::Lattice& lattice = *request.lattice;
+  SimulationParts parts;
+  parts.infill = build_sph(scene, request.effects, lattice);
+  parts.carpet =
+      std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
+  parts.bodies = request.bodies;
+  const PointContact contact = particle_contact(scene, request.effects, parts.infill->particles());
+  parts.particle_body = {contact.stiffness, contact.damping_ratio, contact.body_friction};
+  constexpr double of_wall_row = 2.0 / 3;  // about the volume of a particle at a wall over that of one inside
+  for (std::size_t i = 0; i < lattice.volume.size(); ++i) {
+    const double edge = 2 * lattice.radius.at(i);
+    parts.particle_body.stiffness[i] *= std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
+  }
+  parts.gravity = gravity;
+  parts.numerics = scene.numerics;
+  parts.skin = 0.5 * smallest(lattice.radius);
+  parts.energy_scale = request.energy_scale;
+  parts.release_overlap = false;
+  return std::make_unique<Simulation>(std::move(parts));
 }
 
 }  // namespace tuft::coupler

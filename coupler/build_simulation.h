@@ -10,6 +10,7 @@
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_effects.h"
+#include "sph_infill/sph_infill.h"
 
 namespace tuft::coupler {
 
@@ -33,6 +34,19 @@ struct BuiltSimulation {
 
 /// Throws InputError for a scene that cannot be built, RunError when the host fails.
 [[nodiscard]] BuiltSimulation build_simulation(const BuildRequest& request);
+
+/// Infill alone between bodies: no carpet, no tray.
+struct SpecimenRequest {
+  const Scene* scene = nullptr;
+  std::vector<EffectDecision> effects;
+  const sph::Lattice* lattice = nullptr;
+  std::vector<RigidBody> bodies;
+  double energy_scale = 0;  ///< J, see EnergyLedger
+};
+
+/// The contact penalty of each particle against bodies is that of the area of wall it stands for:
+/// sph_contact_stiffness of a whole particle, less where two walls or three share it. Throws InputError.
+[[nodiscard]] std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request);
 
 /// The carpet's mesh for a scene, generated or from the mesh file it names; fibres by the effect. Throws
 /// InputError.

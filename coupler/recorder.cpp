@@ -36,12 +36,24 @@ std::vector<Channel> declare_channels(const Simulation& simulation,
   channels.push_back({"/frames/infill/velocity", "m/s", {particles, 3}, true});
   for (const auto& field : simulation.infill().fields())
     channels.push_back({"/frames/infill/" + field.name, field.unit, {particles}, true});
-  channels.push_back({"/frames/carpet/position", "m", {nodes, 3}, true});
+  if (nodes > 0) channels.push_back({"/frames/carpet/position", "m", {nodes, 3}, true});
   if (const std::uint64_t shells = simulation.carpet().eroded().size(); shells > 0)
     channels.push_back({"/frames/carpet/eroded", "1", {shells}, true});
   for (const RigidBody& body : simulation.bodies())
-    if (!body.is_fixed()) channels.push_back({"/frames/bodies/" + body.name + "/position", "m", {3}, false});
+    if (body.can_move()) channels.push_back({"/frames/bodies/" + body.name + "/position", "m", {3}, false});
   return channels;
+}
+
+/// What of the moving bodies' shapes never changes.
+void write_bodies(h5::Group& frames, const Simulation& simulation) {
+  for (const RigidBody& body : simulation.bodies()) {
+    if (!body.can_move()) continue;
+    auto group = frames.open_group("bodies").open_group(body.name);
+    if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
+      group.write_scalar("radius", cylinder->radius);
+      group.write_scalar("height", cylinder->height);
+    }
+  }
 }
 
 void write_static(h5::Group& root, const Simulation& simulation, const std::string& scene_text,
@@ -56,7 +68,9 @@ void write_static(h5::Group& root, const Simulation& simulation, const std::stri
   infill.set_attribute("unit", "m", "radius");
   infill.write("layer", p.layer);
   infill.write("material", p.material);
+  write_bodies(frames, simulation);
   const fe::ShellMesh& mesh = simulation.carpet().mesh();
+  if (mesh.nodes.size() == 0) return;
   std::vector<std::int32_t> quads;
   quads.reserve(4 * mesh.quads.size());
   for (const auto& quad : mesh.quads) quads.insert(quads.end(), quad.begin(), quad.end());
@@ -65,14 +79,6 @@ void write_static(h5::Group& root, const Simulation& simulation, const std::stri
   carpet.write("surface", std::span<const std::int32_t>(mesh.surface));
   carpet.write("thickness", std::span<const double>(mesh.thickness));
   carpet.set_attribute("unit", "m", "thickness");
-  for (const RigidBody& body : simulation.bodies()) {
-    if (body.is_fixed()) continue;
-    auto group = frames.open_group("bodies").open_group(body.name);
-    if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
-      group.write_scalar("radius", cylinder->radius);
-      group.write_scalar("height", cylinder->height);
-    }
-  }
 }
 
 }  // namespace
@@ -110,11 +116,11 @@ void Recorder::record_frame(double time, const Simulation& simulation) {
   for (const auto& field : simulation.infill().fields())
     file_.append("/frames/infill/" + field.name, field.values);
   const fe::NodeView n = simulation.carpet().nodes();
-  file_.append("/frames/carpet/position", interleave(n.x, n.y, n.z));
+  if (!n.x.empty()) file_.append("/frames/carpet/position", interleave(n.x, n.y, n.z));
   if (const auto eroded = simulation.carpet().eroded(); !eroded.empty())
     file_.append("/frames/carpet/eroded", std::vector<double>(eroded.begin(), eroded.end()));
   for (const RigidBody& body : simulation.bodies())
-    if (!body.is_fixed())
+    if (body.can_move())
       file_.append("/frames/bodies/" + body.name + "/position",
                    std::span<const double>(body.position.data(), 3));
 }

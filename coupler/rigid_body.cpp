@@ -26,21 +26,51 @@ SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative) {
   return {distance, (beyond_side * radial + beyond_end * axial) / distance};
 }
 
+SurfacePoint distance_to(const Bore& shape, const Vec3& relative) {
+  const double across = std::hypot(relative.x(), relative.y());
+  const Vec3 inwards = across > 0 ? Vec3(-relative.x() / across, -relative.y() / across, 0) : Vec3(1, 0, 0);
+  return {shape.radius - across, inwards};
+}
+
+SurfacePoint distance_to(const Block& shape, const Vec3& relative) {
+  const Vec3 beyond = relative.cwiseAbs() - shape.half;
+  const Vec3 side(relative.x() < 0 ? -1 : 1, relative.y() < 0 ? -1 : 1, relative.z() < 0 ? -1 : 1);
+  const Vec3 outside = beyond.cwiseMax(0.0);
+  if (const double distance = outside.norm(); distance > 0)
+    return {distance, outside.cwiseProduct(side) / distance};
+  Eigen::Index axis = 0;
+  const double depth = beyond.maxCoeff(&axis);
+  Vec3 normal(0, 0, 0);
+  normal[axis] = side[axis];
+  return {depth, normal};
+}
+
 BodyAdvance advance_body(RigidBody& body, const Vec3& impulse, const Vec3& gravity, double window) {
   BodyAdvance result;
+  const Vec3 before = body.velocity;
   if (body.is_fixed()) {
     result.impulse_taken = impulse;
+    if (!body.driven) return result;
+    body.velocity = body.drive;
+    body.position += body.velocity * window;
+    result.external = {-0.5 * impulse.dot(before), -0.5 * impulse.dot(before + body.velocity)};
     return result;
   }
-  const Vec3 before = body.velocity;
-  body.velocity += (impulse / body.mass + gravity * window).cwiseProduct(body.freedom);
+  const Vec3 push = impulse / body.mass + gravity * window + body.load * (window / body.mass);
+  const double resistance = 0.5 * body.guide_damping * window / body.mass;
+  body.velocity += (push - 2 * resistance * before).cwiseProduct(body.freedom) / (1 + resistance);
   result.kinetic = 0.25 * body.mass * (before.squaredNorm() + body.velocity.squaredNorm());
   body.position += body.velocity * window;
+  const Vec3 load = body.load.cwiseProduct(body.freedom) * window;
+  const Vec3 mean = 0.5 * (before + body.velocity).cwiseProduct(body.freedom);
+  const Vec3 damping = -body.guide_damping * window * mean;  // N s
+  result.external = {0.5 * load.dot(before), load.dot(mean)};
+  result.damped = {-0.5 * damping.dot(before), -damping.dot(mean)};
   // What the guides hold back, and what the momentum really changed by: measured, so that the balance can
   // fail.
   const Vec3 held = Vec3::Ones() - body.freedom;
   result.impulse_taken = impulse.cwiseProduct(held) + body.mass * (body.velocity - before) -
-                         (body.mass * window) * gravity.cwiseProduct(body.freedom);
+                         (body.mass * window) * gravity.cwiseProduct(body.freedom) - load - damping;
   return result;
 }
 

@@ -2,9 +2,11 @@
 /// Rigid bodies that rigs and the tray are made of. They translate; their shape is known by its signed
 /// distance.
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 
+#include "core/scene.h"
 #include "core/vector.h"
 
 namespace tuft::coupler {
@@ -20,7 +22,17 @@ struct Cylinder {
   double height = 0;  ///< m
 };
 
-using Shape = std::variant<HalfSpace, Cylinder>;
+/// Everything farther than `radius` from the upright axis through the body's position: the inside of a ring.
+struct Bore {
+  double radius = 0;  ///< m
+};
+
+/// Cuboid with edges along the axes, about the body's position.
+struct Block {
+  Vec3 half{0, 0, 0};  ///< m, half its edges
+};
+
+using Shape = std::variant<HalfSpace, Cylinder, Bore, Block>;
 
 struct SurfacePoint {
   double distance = 0;   ///< m, negative inside
@@ -30,6 +42,8 @@ struct SurfacePoint {
 /// Signed distance of a point given relative to the body's position, and the outward normal there.
 [[nodiscard]] SurfacePoint distance_to(const HalfSpace& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const Bore& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const Block& shape, const Vec3& relative);
 
 struct RigidBody {
   std::string name;
@@ -37,20 +51,35 @@ struct RigidBody {
   Vec3 position{0, 0, 0};  ///< m, at t
   Vec3 velocity{0, 0, 0};  ///< m/s, half a step before (leapfrog, as core/infill.h)
   double mass = std::numeric_limits<double>::infinity();  ///< kg; infinite: fixed in space
-  Vec3 freedom{0, 0, 0};  ///< 1 for directions in which it moves freely, 0 for held ones
-  bool present = true;    ///< false: takes no part (a missile not yet released)
+  Vec3 freedom{0, 0, 0};                ///< 1 for directions in which it moves freely, 0 for held ones
+  bool present = true;                  ///< false: takes no part (a missile not yet released)
+  std::optional<FrictionLaw> friction;  ///< of points on it; empty: the points' own against bodies
+  bool driven = false;                  ///< of infinite mass, moved at `drive` whatever resists
+  Vec3 drive{0, 0, 0};                  ///< m/s
+  Vec3 load{0, 0, 0};                   ///< N, on a body of finite mass, along its freedom
+  double guide_damping = 0;             ///< N s/m, of its guides, >= 0
 
+  /// Nothing that contact does moves it.
   [[nodiscard]] bool is_fixed() const { return !(mass < std::numeric_limits<double>::infinity()); }
+  [[nodiscard]] bool can_move() const { return driven || !is_fixed(); }
   [[nodiscard]] double inverse_mass() const { return is_fixed() ? 0.0 : 1.0 / mass; }
+};
+
+/// A work of one window's kick, J: its part up to the moment of the force, and all of it.
+struct BodyWork {
+  double until_now = 0, whole = 0;
 };
 
 /// Work and momentum of one window of a moving body.
 struct BodyAdvance {
   Vec3 impulse_taken{0, 0, 0};  ///< N s, contact impulse that changed its momentum or went into its guides
   double kinetic = 0;           ///< J, centred at the start of the window
+  BodyWork external;            ///< of what drives or loads it
+  BodyWork damped;              ///< taken by its guides
 };
 
-/// Kicks and drifts a body over one window under a contact impulse (N s) and gravity (m/s^2).
+/// Kicks and drifts a body over one window under a contact impulse (N s), its load and gravity (m/s^2). The
+/// guides' damping acts on the mean of the velocities before and after.
 BodyAdvance advance_body(RigidBody& body, const Vec3& impulse, const Vec3& gravity, double window);
 
 }  // namespace tuft::coupler

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -76,8 +77,24 @@ void Simulation::release_body(std::size_t index, const Vec3& position, const Vec
   reference_.valid = false;
 }
 
+void Simulation::drive_body(std::size_t index, const Vec3& velocity) {
+  RigidBody& body = parts_.bodies.at(index);
+  if (!body.driven) throw_run_error("body {} is not driven", body.name);
+  body.drive = velocity;
+}
+
+void Simulation::load_body(std::size_t index, const Vec3& force) {
+  RigidBody& body = parts_.bodies.at(index);
+  if (body.is_fixed()) throw_run_error("body {} has no mass that a load could move", body.name);
+  body.load = force;
+}
+
 StableSteps Simulation::stable_steps() const {
   const ParticleView particles = parts_.infill->particles();
+  if (!has_carpet()) {  // the infill alone sets the window
+    const double infill = parts_.infill->stable_step(), touching = particle_body_.stable_step(particles.mass);
+    return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
+  }
   const double contact = particle_body_.largest_frequency_squared(particles.mass);
   return {parts_.carpet->stable_step(), parts_.infill->stable_step(), 2.0 / std::sqrt(contact),
           parts_.carpet->subcycle_ratio()};
@@ -114,7 +131,7 @@ void Simulation::advance_window() {
   check_candidates();
 
   const Vec3 carpet_before = carpet_impulse(*parts_.carpet);
-  step_carpet();
+  if (has_carpet()) step_carpet();
   const ParticleView particles = contact_view();
   {
     const ScopedPhase phase(timers_, Phase::contact);
@@ -137,25 +154,33 @@ void Simulation::advance_window() {
   }
   Vec3 bodies(0, 0, 0);
   double bodies_scale = 0;
-  {
-    const ScopedPhase phase(timers_, Phase::rig);
-    body_kinetic_ = body_potential_ = 0;
-    for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
-      RigidBody& body = parts_.bodies[b];
-      if (!body.present) continue;
-      const double potential = body.is_fixed() ? 0 : -body.mass * parts_.gravity.dot(body.position);
-      const BodyAdvance advance = advance_body(body, body_impulses_.impulse[b], parts_.gravity, plan_.window);
-      body_kinetic_ += advance.kinetic;
-      body_potential_ += potential;
-      bodies += advance.impulse_taken;
-      bodies_scale += body_impulses_.impulse[b].cwiseAbs().sum();
-      interval_impulse_[b] += body_impulses_.impulse[b];
-    }
-  }
+  advance_bodies(bodies, bodies_scale);
   const Vec3 carpet = carpet_frozen_ ? Vec3(-report.impulse_received + extra - bodies)
                                      : Vec3(carpet_impulse(*parts_.carpet) - carpet_before);
   check_momentum(report, carpet - extra, bodies, bodies_scale);
   ++windows_;
+}
+
+void Simulation::advance_bodies(Vec3& taken, double& scale) {
+  const ScopedPhase phase(timers_, Phase::rig);
+  body_kinetic_ = body_potential_ = 0;
+  external_work_ += std::exchange(pending_external_, 0);
+  body_damping_ += std::exchange(pending_damping_, 0);
+  for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
+    RigidBody& body = parts_.bodies[b];
+    if (!body.present) continue;
+    const double potential = body.is_fixed() ? 0 : -body.mass * parts_.gravity.dot(body.position);
+    const BodyAdvance advance = advance_body(body, body_impulses_.impulse[b], parts_.gravity, plan_.window);
+    body_kinetic_ += advance.kinetic;
+    body_potential_ += potential;
+    external_work_ += advance.external.until_now;
+    pending_external_ += advance.external.whole - advance.external.until_now;
+    body_damping_ += advance.damped.until_now;
+    pending_damping_ += advance.damped.whole - advance.damped.until_now;
+    taken += advance.impulse_taken;
+    scale += body_impulses_.impulse[b].cwiseAbs().sum();
+    interval_impulse_[b] += body_impulses_.impulse[b];
+  }
 }
 
 ParticleView Simulation::contact_view() const {
@@ -358,7 +383,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.contact_damping = contact.damped;
   terms.contact_friction = contact.friction;
   terms.gravity_potential += infill.gravity_potential + body_potential_;
-  terms.damping += infill.damping;
+  terms.damping += infill.damping + body_damping_;
   // Between the parts contact is no work from outside; what it has released is.
   terms.external_work = external_work_ + contact.released;
   return terms;

@@ -50,6 +50,11 @@ class Simulation {
   /// Puts a body into the simulation at a place and speed; its energy enters the ledger as external work.
   void release_body(std::size_t body, const Vec3& position, const Vec3& velocity);
 
+  /// Moves a driven body at this velocity (m/s) from the next window on.
+  void drive_body(std::size_t body, const Vec3& velocity);
+  /// Loads a body of finite mass with this force (N) from the next window on.
+  void load_body(std::size_t body, const Vec3& force);
+
   [[nodiscard]] double time() const { return time_; }
   void set_time(double time) { time_ = time; }
   [[nodiscard]] std::uint64_t windows() const { return windows_; }
@@ -85,7 +90,9 @@ class Simulation {
 
  private:
   void advance_window();
+  [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   void step_carpet();
+  void advance_bodies(Vec3& taken, double& scale);
   void check_candidates();
   void search(const ParticleView& particles, const fe::NodeView& nodes);
   void remember_reference();
@@ -134,6 +141,8 @@ class Simulation {
          infill_reference_ = 0;  ///< J, own energies less own work, at the first ledger entry
   bool referenced_ = false;
   double body_kinetic_ = 0, body_potential_ = 0, external_work_ = 0;
+  double body_damping_ = 0;                            ///< J, in guides of bodies
+  double pending_external_ = 0, pending_damping_ = 0;  ///< J, parts of a kick behind the moment of its force
   double momentum_error_ = 0, largest_exchange_ = 0, largest_imbalance_ = 0;
 };
 

@@ -72,7 +72,10 @@ void Simulation::save(h5::Group& group) {
                                     largest_imbalance_,
                                     carpet_reference_,
                                     infill_reference_,
-                                    referenced_ ? 1.0 : 0.0};
+                                    referenced_ ? 1.0 : 0.0,
+                                    body_damping_,
+                                    pending_external_,
+                                    pending_damping_};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("windows", windows_);
   group.write_scalar("searches", searches_);
@@ -82,6 +85,8 @@ void Simulation::save(h5::Group& group) {
     for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.position[axis]);
     for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.velocity[axis]);
     bodies.push_back(b.present ? 1.0 : 0.0);
+    for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.drive[axis]);
+    for (int axis = 0; axis < 3; ++axis) bodies.push_back(b.load[axis]);
   }
   group.write("bodies", std::span<const double>(bodies));
   if (reference_.valid) {
@@ -124,10 +129,13 @@ void Simulation::load(const h5::Group& group) {
   carpet_reference_ = numbers.at(8);
   infill_reference_ = numbers.at(9);
   referenced_ = numbers.at(10) != 0;
+  body_damping_ = numbers.at(11);
+  pending_external_ = numbers.at(12);
+  pending_damping_ = numbers.at(13);
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");
-  constexpr std::size_t body_numbers = 7;
+  constexpr std::size_t body_numbers = 13;
   if (bodies.size() != body_numbers * parts_.bodies.size())
     throw_run_error("checkpoint holds {} bodies, the scene has {}", bodies.size() / body_numbers,
                     parts_.bodies.size());
@@ -136,6 +144,8 @@ void Simulation::load(const h5::Group& group) {
     parts_.bodies[b].position = Vec3(v[0], v[1], v[2]);
     parts_.bodies[b].velocity = Vec3(v[3], v[4], v[5]);
     parts_.bodies[b].present = v[6] != 0;
+    parts_.bodies[b].drive = Vec3(v[7], v[8], v[9]);
+    parts_.bodies[b].load = Vec3(v[10], v[11], v[12]);
   }
   parts_.carpet->load(group.open_group("carpet"));
   parts_.infill->load(group.open_group("infill"));

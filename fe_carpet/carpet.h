@@ -82,7 +82,8 @@ struct NodeView {
 
 class Carpet {
  public:
-  /// materials[i] is the material with index i of the mesh. Throws InputError on an unusable mesh.
+  /// materials[i] is the material with index i of the mesh. A mesh with neither nodes nor elements stands for
+  /// no carpet (infill alone). Throws InputError on an unusable mesh.
   Carpet(ShellMesh mesh, std::vector<ShellMaterial> materials, const CarpetOptions& options);
   ~Carpet();
   Carpet(const Carpet&) = delete;

@@ -13,6 +13,7 @@
 #include "rigs/process_memory.h"
 #include "rigs/run.h"
 #include "rigs/run_state.h"
+#include "rigs/specimen_run.h"
 
 namespace tuft::rigs {
 namespace {
@@ -163,6 +164,7 @@ double clearance(const CarpetDesign& carpet) {
 
 RunPlan plan(const Scene& scene) {
   if (scene.rig.is_component()) return plan_component(scene);
+  if (scene.rig.is_specimen()) return plan_specimen(scene);
   RunPlan plan;
   plan.effects = decide_effects(scene);
   plan.remarks = coupler::carpet_mesh_notes(scene);

@@ -14,6 +14,7 @@
 #include "rigs/process_memory.h"
 #include "rigs/run_outcome.h"
 #include "rigs/run_state.h"
+#include "rigs/specimen_run.h"
 #include "rigs/xdmf.h"
 
 namespace tuft::rigs {
@@ -303,6 +304,7 @@ void Runner::measure() {
 
 RunSummary run(const RunRequest& request) {
   if (request.scene.rig.is_component()) return run_component(request);
+  if (request.scene.rig.is_specimen()) return run_specimen(request);
   return Runner(request).run();
 }
 

@@ -80,7 +80,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
     const SoilLaw& law = m.settings.laws[k];
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
-    p.radius[i] = 0.5 * std::cbrt(lattice.volume[i]);
+    p.radius[i] = lattice.radius.empty() ? 0.5 * std::cbrt(lattice.volume[i]) : lattice.radius[i];
   }
   p.record_motion();
   m.stress_blocks.resize(block_count(p));

@@ -19,7 +19,8 @@ struct Lattice {
   Vec3Array position;          ///< m
   std::vector<double> volume;  ///< m^3, reference
   std::vector<Index> layer, material;
-  double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
+  std::vector<double> radius;  ///< m, of contact; empty: half the edge of a cube of the particle's volume
+  double pitch = 0;            ///< m, in the plane (adjusted so that a whole number fits the patch)
 };
 
 /// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer

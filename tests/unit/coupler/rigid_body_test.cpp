@@ -32,6 +32,77 @@ TEST(CylinderDistance, NormalIsTheGradientOfTheDistance) {
   }
 }
 
+/// The normal against differences of the distance.
+template <class Shape>
+void expect_gradient(const Shape& shape, const Vec3& p) {
+  const SurfacePoint s = distance_to(shape, p);
+  const double h = 1e-7;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = h * Vec3::Unit(axis);
+    const double slope =
+        (distance_to(shape, p + step).distance - distance_to(shape, p - step).distance) / (2 * h);
+    EXPECT_NEAR(s.normal[axis], slope, 1e-6) << p.transpose();
+  }
+  EXPECT_NEAR(s.normal.norm(), 1, 1e-14);
+}
+
+TEST(BoreDistance, IsWhatIsLeftToTheWallAndTheNormalPointsInwards) {
+  const Bore bore{0.025};
+  EXPECT_NEAR(distance_to(bore, Vec3(0.02, 0, 7)).distance, 0.005, 1e-15);
+  EXPECT_NEAR(distance_to(bore, Vec3(0, -0.03, 0)).distance, -0.005, 1e-15);
+  for (const Vec3& p : {Vec3(0.01, 0.02, 0), Vec3(-0.02, 0.02, 0.1)}) expect_gradient(bore, p);
+}
+
+TEST(BlockDistance, IsTheDistanceToTheNearestSurfacePoint) {
+  const Block block{Vec3(0.01, 0.02, 0.03)};
+  EXPECT_NEAR(distance_to(block, Vec3(0.015, 0.01, -0.02)).distance, 0.005, 1e-15);
+  EXPECT_NEAR(distance_to(block, Vec3(0.013, -0.024, 0)).distance, 0.005, 1e-15) << "an edge";
+  EXPECT_NEAR(distance_to(block, Vec3(0.01 + 2e-3, 0.02 + 3e-3, -0.03 - 6e-3)).distance, 7e-3, 1e-15)
+      << "a corner";
+  EXPECT_NEAR(distance_to(block, Vec3(0.008, 0, 0)).distance, -0.002, 1e-15);
+  for (const Vec3& p : {Vec3(0.015, 0.01, -0.02), Vec3(0.013, -0.024, 0.001), Vec3(-0.012, 0.023, 0.036),
+                        Vec3(0.002, -0.019, 0.003)})
+    expect_gradient(block, p);
+}
+
+TEST(RigidBody, DrivenMovesAtItsSpeedAndBooksTheWorkAgainstContact) {
+  RigidBody body;
+  body.driven = true;
+  body.drive = Vec3(0, 0, -0.2);
+  const double dt = 1e-5;
+  const BodyAdvance first = advance_body(body, Vec3(0, 0, 3e-3), Vec3(0, 0, -9.81), dt);
+  EXPECT_EQ(body.velocity.z(), -0.2);
+  EXPECT_NEAR(body.position.z(), -0.2 * dt, 1e-20);
+  EXPECT_NEAR(first.external.whole, 0.5 * 3e-3 * 0.2, 1e-18) << "the mean of rest and full speed";
+  EXPECT_EQ(first.external.until_now, 0);
+  const BodyAdvance second = advance_body(body, Vec3(0, 0, 3e-3), Vec3(0, 0, -9.81), dt);
+  EXPECT_NEAR(second.external.whole, 3e-3 * 0.2, 1e-18);
+  EXPECT_NEAR(second.external.until_now, 0.5 * second.external.whole, 1e-18);
+  EXPECT_EQ((second.impulse_taken - Vec3(0, 0, 3e-3)).norm(), 0);
+}
+
+TEST(RigidBody, LoadedAndDampedOnASpringComesToRestWhereTheyBalanceAndKeepsItsBooks) {
+  RigidBody body;
+  body.mass = 0.1;
+  body.freedom = Vec3(0, 0, 1);
+  body.load = Vec3(0, 0, -50);
+  const double stiffness = 1e5, dt = 1e-5;
+  body.guide_damping = 2 * std::sqrt(stiffness * body.mass);
+  double work = 0, damped = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const BodyAdvance a =
+        advance_body(body, Vec3(0, 0, -stiffness * body.position.z() * dt), Vec3::Zero(), dt);
+    work += a.external.whole;
+    damped += a.damped.whole;
+    EXPECT_LT(
+        (a.impulse_taken - Vec3(0, 0, -stiffness * (body.position.z() - body.velocity.z() * dt) * dt)).norm(),
+        1e-12);
+  }
+  EXPECT_NEAR(body.position.z(), -50 / stiffness, 1e-12);
+  EXPECT_NEAR(work, 50 * 50 / stiffness, 1e-9);
+  EXPECT_NEAR(damped, 0.5 * work, 1e-4 * work) << "the other half is in the spring";
+}
+
 TEST(RigidBody, FreeFallFollowsTheParabola) {
   RigidBody body;
   body.mass = 2.25;

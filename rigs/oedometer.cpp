@@ -1,0 +1,275 @@
+#include "rigs/oedometer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "rigs/row_table.h"
+#include "sph_infill/specimen_lattice.h"
+
+namespace tuft::rigs {
+namespace {
+
+constexpr double low_share = 0.1, high_share = 0.9;  // of the cycle's largest stress, for the secant moduli
+/// Over the last of the way to a force (this share of the preload, or so many rows at the present pace) the
+/// plate slows down in proportion to what is left, so that it turns close to it.
+constexpr double approach_share = 0.02, approach_rows = 20, slowest = 0.02;
+constexpr double most_compression = 0.7;  // of the height
+
+/// Strain at which the stress first passes `level` in a branch; `sign` 1: upwards, -1: downwards.
+std::optional<double> strain_at(std::span<const OedometerRow> rows, double level, double sign) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const OedometerRow &a = rows[i - 1], &b = rows[i];
+    if (sign * (a.stress - level) > 0 || sign * (b.stress - level) < 0 || a.stress == b.stress) continue;
+    return a.strain + (b.strain - a.strain) * (level - a.stress) / (b.stress - a.stress);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> secant(std::span<const OedometerRow> rows, double low, double high, double sign) {
+  const auto from = strain_at(rows, low, sign), to = strain_at(rows, high, sign);
+  if (!from || !to || *from == *to) return std::nullopt;
+  return (high - low) / (*to - *from);
+}
+
+/// Integral of stress over strain, J/m^3.
+double work(std::span<const OedometerRow> rows) {
+  double sum = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    sum += 0.5 * (rows[i].stress + rows[i - 1].stress) * (rows[i].strain - rows[i - 1].strain);
+  return sum;
+}
+
+}  // namespace
+
+std::array<double, OedometerRow::count> OedometerRow::values() const {
+  return {time,   cycle, direction,   travel,     compression,  strain,
+          stress, force, force_below, force_ring, inertia_force};
+}
+
+OedometerRow OedometerRow::of(std::span<const double> v) {
+  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10]};
+}
+
+CycleResults evaluate_cycle(std::span<const OedometerRow> rows, double seating_force) {
+  CycleResults results;
+  const auto peak =
+      std::max_element(rows.begin(), rows.end(),
+                       [](const OedometerRow& a, const OedometerRow& b) { return a.force < b.force; });
+  if (peak == rows.end()) return results;
+  results.peak_force = peak->force;
+  results.peak_strain = peak->strain;
+  const auto split = static_cast<std::size_t>(peak - rows.begin()) + 1;
+  const std::span<const OedometerRow> up = rows.first(split), down = rows.subspan(split - 1);
+  results.loading_modulus = secant(up, low_share * peak->stress, high_share * peak->stress, 1);
+  results.unloading_modulus = secant(down, high_share * peak->stress, low_share * peak->stress, -1);
+  if (!(rows.back().force <= seating_force) || down.size() < 2) return results;
+  results.residual_strain = rows.back().strain;
+  if (const double put_in = work(up); put_in > 0) results.loss = 1 + work(down) / put_in;
+  return results;
+}
+
+std::optional<double> loading_secant(std::span<const OedometerRow> rows, double low, double high) {
+  return secant(rows, low, high, 1);
+}
+
+Oedometer::Oedometer(const Scene& scene)
+    : rig_(scene.rig.specimen),
+      material_(scene.rig.specimen.material),
+      sph_(scene.infill.sph),
+      rows_(scene.rig.specimen.preloads.size()) {}
+
+double Oedometer::area() const {
+  return std::numbers::pi / 4 * rig_.diameter * rig_.diameter;
+}
+
+std::string Oedometer::label(std::size_t test) const {
+  return fmt::format("{:g} N", rig_.preloads.at(test));
+}
+
+sph::Lattice Oedometer::lattice() const {
+  return sph::fill_ring({0.5 * rig_.diameter, rig_.height}, material_, sph_);
+}
+
+std::vector<coupler::RigidBody> Oedometer::bodies(std::size_t) const {
+  // Particles stand on the specimen's surface; what they touch is a contact radius away.
+  const double reach = lattice().radius.front();
+  coupler::RigidBody below, above, around;
+  below.name = "lower_plate";
+  below.shape = coupler::HalfSpace{Vec3(0, 0, 1)};
+  below.position = Vec3(0, 0, -reach);
+  above.name = "upper_plate";
+  above.shape = coupler::HalfSpace{Vec3(0, 0, -1)};
+  above.position = Vec3(0, 0, rig_.height + reach);
+  above.driven = true;
+  around.name = "ring";
+  around.shape = coupler::Bore{0.5 * rig_.diameter + reach};
+  around.friction = FrictionLaw{rig_.wall_friction, rig_.wall_friction, 0};
+  return {below, above, around};
+}
+
+double Oedometer::energy_scale(std::size_t test) const {
+  return 1e-3 * rig_.preloads.at(test) * rig_.height;
+}
+
+double Oedometer::interval() const {
+  return rig_.sample_travel / (rig_.speed * rig_.speed_factor);
+}
+
+void Oedometer::begin(std::size_t test, const coupler::Simulation& simulation) {
+  test_ = test;
+  cycle_ = 1;
+  loading_ = true;
+  speed_ = 0;
+  start_height_ = height_before_ = simulation.bodies()[upper_plate].position.z();
+  const ParticleView p = simulation.infill().particles();
+  const std::vector<double>& stiffness = simulation.particle_body().settings().stiffness;
+  double below = 0, above = 0, mass = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    mass += p.mass[i];
+    if (p.z[i] < 0.1 * p.radius[i]) below += stiffness[i];
+    if (p.z[i] > rig_.height - 0.1 * p.radius[i]) above += stiffness[i];
+  }
+  give_below_ = 1 / below;
+  give_above_ = 1 / above;
+  weight_ = standard_weight * mass;
+}
+
+void Oedometer::drive(coupler::Simulation& simulation) {
+  const double full = rig_.speed * rig_.speed_factor, preload = rig_.preloads[test_];
+  const std::vector<OedometerRow>& rows = rows_[test_];
+  const std::size_t count = rows.size();
+  const double force = count > 0 ? rows.back().force : 0;
+  const double last_change = count > 1 ? std::abs(force - rows[count - 2].force) : 0;
+  const double pace = speed_ != 0 ? last_change * full / std::abs(speed_) : 0;  // N a row at full speed
+  const double left = loading_ ? preload - force : force - rig_.seating_force;
+  const double zone = std::max(approach_share * preload, approach_rows * pace);
+  const double wanted = (loading_ ? 1 : -1) * full * std::clamp(left / zone, slowest, 1.0);
+  // Gathering speed is gradual, braking is as the force asks.
+  const bool turns = wanted * speed_ < 0;
+  const double from = turns ? 0 : speed_;
+  speed_ = std::abs(wanted) > std::abs(from)
+               ? from + std::clamp(wanted - from, -speed_step * full, speed_step * full)
+               : wanted;
+  simulation.drive_body(upper_plate, Vec3(0, 0, -speed_));
+}
+
+void Oedometer::sample(const coupler::Simulation& simulation) {
+  const double dt = interval();
+  std::vector<OedometerRow>& rows = rows_[test_];
+  OedometerRow row;
+  row.time = (static_cast<double>(rows.size()) + 0.5) * dt;
+  row.cycle = cycle_;
+  row.direction = loading_ ? 1 : -1;
+  const double height = simulation.bodies()[upper_plate].position.z();
+  row.travel = start_height_ - 0.5 * (height_before_ + height);
+  height_before_ = height;
+  row.force = mean_force(simulation, upper_plate, dt).z();
+  row.force_below = -mean_force(simulation, lower_plate, dt).z();
+  row.force_ring = -mean_force(simulation, ring, dt).z();
+  row.inertia_force = row.force + weight_ - row.force_below - row.force_ring;
+  row.compression = row.travel - give_above_ * row.force - give_below_ * row.force_below;
+  row.strain = row.compression / rig_.height;
+  row.stress = row.force / area();
+  rows.push_back(row);
+  if (loading_ && row.force >= rig_.preloads[test_]) {
+    loading_ = false;
+  } else if (!loading_ && row.force <= rig_.seating_force) {
+    loading_ = true;
+    ++cycle_;
+  }
+  if (row.travel > most_compression * rig_.height)
+    throw_run_error(
+        "oedometer: {:.3g} N after {:.3g} mm, {:g} % of the height, and the preload of {:g} N is not "
+        "reached; lower "
+        "rig.preloads",
+        row.force, 1e3 * row.travel, 100 * most_compression, rig_.preloads[test_]);
+}
+
+double Oedometer::share_done() const {
+  if (rows_[test_].empty()) return 0;
+  const double on_the_way = std::clamp(rows_[test_].back().force / rig_.preloads[test_], 0.0, 1.0);
+  return std::min(1.0, (cycle_ - 1 + 0.5 * (loading_ ? on_the_way : 2 - on_the_way)) / rig_.cycles);
+}
+
+std::string Oedometer::stage() const {
+  return fmt::format("{}, {} {}", label(test_), loading_ ? "loading" : "unloading", cycle_);
+}
+
+std::vector<HistoryColumn> Oedometer::columns() const {
+  return {{"test", "1"},   {"test_time", "s"},   {"cycle", "1"},      {"direction", "1"},
+          {"travel", "m"}, {"compression", "m"}, {"strain", "1"},     {"stress", "Pa"},
+          {"force", "N"},  {"force_below", "N"}, {"force_ring", "N"}, {"inertia_force", "N"}};
+}
+
+std::vector<double> Oedometer::row() const {
+  std::vector<double> row{static_cast<double>(test_)};
+  const auto values = rows_[test_].empty() ? OedometerRow{}.values() : rows_[test_].back().values();
+  row.insert(row.end(), values.begin(), values.end());
+  return row;
+}
+
+void Oedometer::add_results(std::map<std::string, Quantity>& results,
+                            std::map<std::string, Quantity>& notes) const {
+  for (std::size_t test = 0; test < tests(); ++test) {
+    const std::span<const OedometerRow> rows = rows_[test];
+    const std::string prefix = fmt::format("preload_{:g}_", rig_.preloads[test]);
+    const auto add = [&](const std::string& name, std::optional<double> value, const char* unit) {
+      if (value) results[prefix + name] = {*value, unit};
+    };
+    double peak = 0, inertia = 0, friction = 0;
+    for (const OedometerRow& row : rows) {
+      peak = std::max(peak, row.force);
+      inertia = std::max(inertia, std::abs(row.inertia_force));
+      friction = std::max(friction, std::abs(row.force_ring));
+    }
+    if (!(peak > 0)) continue;
+    std::size_t begin = 0;
+    for (int cycle = 1; begin < rows.size(); ++cycle) {
+      std::size_t end = begin;
+      while (end < rows.size() && rows[end].cycle == cycle) ++end;
+      const std::span<const OedometerRow> of_cycle = rows.subspan(begin, end - begin);
+      begin = end;
+      const bool turned = of_cycle.back().direction < 0;
+      if (!turned) continue;  // not loaded to its end
+      const CycleResults r = evaluate_cycle(of_cycle, rig_.seating_force);
+      const std::string of = fmt::format("cycle_{}_", cycle);
+      add(of + "loading_modulus", r.loading_modulus, "Pa");
+      add(of + "unloading_modulus", r.unloading_modulus, "Pa");
+      add(of + "loss", r.loss, "1");
+      add(of + "strain_at_preload", r.peak_strain, "1");
+      add(of + "residual_strain", r.residual_strain, "1");
+      if (cycle > 1) continue;
+      const auto split = std::find_if(of_cycle.begin(), of_cycle.end(),
+                                      [](const OedometerRow& row) { return row.direction < 0; });
+      const auto up = of_cycle.first(static_cast<std::size_t>(split - of_cycle.begin()));
+      add("modulus_100_to_600_kpa", loading_secant(up, 100e3, 600e3), "Pa");
+      if (r.loading_modulus && r.unloading_modulus)
+        add("unloading_over_loading", *r.unloading_modulus / *r.loading_modulus, "1");
+    }
+    notes[prefix + "overshoot"] = {peak / rig_.preloads[test] - 1, "1"};
+    notes[prefix + "inertia_share"] = {inertia / peak, "1"};
+    notes[prefix + "ring_friction_share"] = {friction / peak, "1"};
+    notes[prefix + "contact_compression"] = {(give_above_ + give_below_) * peak, "m"};
+  }
+}
+
+void Oedometer::save(h5::Group& group) const {
+  save_rows(group, rows_);
+  const std::vector<double> state{height_before_, speed_, static_cast<double>(cycle_), loading_ ? 1.0 : 0.0};
+  group.write("state", std::span<const double>(state));
+}
+
+void Oedometer::load(const h5::Group& group) {
+  load_rows(group, rows_);
+  const std::vector<double> state = group.read_doubles("state");
+  height_before_ = state.at(0);
+  speed_ = state.at(1);
+  cycle_ = static_cast<int>(state.at(2));
+  loading_ = state.at(3) != 0;
+}
+
+}  // namespace tuft::rigs

@@ -1,0 +1,168 @@
+// The oedometer against the soil law in uniaxial strain, its books and its repeatability.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "core/scene_reader.h"
+#include "rigs/oedometer.h"
+#include "rigs/run_folder.h"
+#include "verification/rigs/specimen_support.h"
+
+namespace tuft::rigs {
+namespace {
+
+/// A ring of 20 mm without wall friction, contacts as stiff as at the published stress.
+Scene small_ring(const std::string& material, const Overrides& more = {}) {
+  Overrides overrides{{"rig.material", material},
+                      {"rig.diameter", "20 mm"},
+                      {"rig.height", "10 mm"},
+                      {"rig.preloads", "[\"100 N\"]"},
+                      {"rig.cycles", "1"},
+                      {"rig.speed_factor", "200.0"},
+                      {"rig.seating_force", "2 N"},
+                      {"rig.sample_travel", "10 um"},
+                      {"rig.wall_friction", "0.0"},
+                      {"infill.sph.pitch", "2 mm"},
+                      {"numerics.contact_pressure", "700 kPa"}};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return read_scene("inputs/oedometer_sand.toml", overrides);
+}
+
+/// Largest difference of the plate's stress from the law's at the same strain, over the largest stress.
+double difference_from_law(const Scene& scene, const std::vector<OedometerRow>& rows) {
+  test::UniaxialPoint point(*scene.materials.front().continuum);
+  double largest = 0, peak = 0;
+  for (const OedometerRow& row : rows) {
+    point.move_to(-std::log(1 - row.strain));
+    largest = std::max(largest, std::abs(row.stress - point.stress()));
+    peak = std::max(peak, row.stress);
+  }
+  return largest / peak;
+}
+
+TEST(Oedometer, FollowsTheLawWithinOnePercentAtThreePitches) {
+  for (const char* pitch : {"2 mm", "1.67 mm", "1.43 mm"}) {
+    const Scene scene = small_ring("sbr", {{"infill.sph.pitch", pitch}});
+    Oedometer rig(scene);
+    const auto turned = [&] { return !rig.rows(0).empty() && rig.rows(0).back().force > 95; };
+    EXPECT_LT(test::run_test(scene, rig, 0, turned), 1e-3) << pitch;
+    EXPECT_GT(rig.rows(0).back().strain, 0.15);
+    EXPECT_LT(difference_from_law(scene, rig.rows(0)), 0.01) << pitch;
+  }
+}
+
+TEST(Oedometer, ReloadsAlongTheLawToItsPreload) {
+  const Scene scene = small_ring("sbr", {{"rig.cycles", "2"}});
+  Oedometer rig(scene);
+  (void)test::run_test(scene, rig, 0);
+  EXPECT_LT(difference_from_law(scene, rig.rows(0)), 0.012);
+  std::map<std::string, Quantity> results, notes;
+  rig.add_results(results, notes);
+  const auto value = [&](const char* name) { return results.at(name).value; };
+  // Within the preload the law is elastic but for a little yielding in shear: what the second loading needs,
+  // its unloading gives back.
+  EXPECT_GT(value("preload_100_cycle_1_loss"), 0.2);
+  EXPECT_LT(std::abs(value("preload_100_cycle_2_loss")), 0.02);
+  EXPECT_NEAR(value("preload_100_cycle_2_loading_modulus") / value("preload_100_cycle_1_unloading_modulus"),
+              1, 0.02);
+  EXPECT_NEAR(value("preload_100_cycle_2_strain_at_preload") / value("preload_100_cycle_1_strain_at_preload"),
+              1, 0.01);
+  EXPECT_LT(std::abs(notes.at("preload_100_overshoot").value), 0.01);
+}
+
+TEST(Oedometer, ReachesAThirdOfCompressionInRubberAndFollowsTheLawThere) {
+  const Scene scene = small_ring("sbr", {{"rig.preloads", "[\"200 N\"]"}, {"rig.speed_factor", "300.0"}});
+  Oedometer rig(scene);
+  EXPECT_LT(test::run_test(scene, rig, 0), 1e-3);
+  double most = 0;
+  for (const OedometerRow& row : rig.rows(0)) most = std::max(most, row.strain);
+  EXPECT_GT(most, 0.28);
+  EXPECT_LT(difference_from_law(scene, rig.rows(0)), 0.02);
+}
+
+TEST(Oedometer, BearsBelowWhatItIsGivenAboveLessTheFrictionOfTheRing) {
+  for (const char* friction : {"0.0", "0.3"}) {
+    const Scene scene = small_ring("sbr", {{"rig.wall_friction", friction}, {"infill.sph.pitch", "2.5 mm"}});
+    Oedometer rig(scene);
+    EXPECT_LT(test::run_test(scene, rig, 0), 1e-3);
+    const auto& rows = rig.rows(0);
+    double inertia = 0, most_friction = 0, peak = 0;
+    for (const OedometerRow& row : rows) {
+      inertia = std::max(inertia, std::abs(row.inertia_force));
+      most_friction = std::max(most_friction, row.force_ring);
+      peak = std::max(peak, row.force);
+    }
+    EXPECT_LT(inertia / peak, 0.03) << "quasi-static";
+    if (std::string(friction) == "0.0") {
+      EXPECT_EQ(most_friction, 0);
+    } else {
+      // Janssen: exp(-4 mu K H / D) of the force comes through, K the ratio of lateral to axial stress, 0.3
+      // to 0.7.
+      const double through = 1 - most_friction / peak,
+                   ratio = scene.rig.specimen.height / scene.rig.specimen.diameter;
+      EXPECT_LT(through, std::exp(-4 * 0.3 * 0.3 * ratio));
+      EXPECT_GT(through, std::exp(-4 * 0.3 * 0.7 * ratio));
+    }
+  }
+}
+
+RunRequest request_in(const std::filesystem::path& folder, const Scene& scene) {
+  std::filesystem::remove_all(folder);
+  RunRequest request;
+  request.scene = scene;
+  request.folder = folder;
+  prepare_run_folder(folder, scene);
+  return request;
+}
+
+TEST(Oedometer, ResumedEndsInTheSameBits) {
+  const auto root = std::filesystem::temp_directory_path() / "tuft_oedometer_resume";
+  const Scene scene = small_ring("sbr", {{"rig.preloads", "[\"6 N\", \"12 N\"]"},
+                                         {"rig.seating_force", "1 N"},
+                                         {"rig.sample_travel", "20 um"},
+                                         {"rig.speed_factor", "500.0"},
+                                         {"rig.wall_friction", "0.2"},
+                                         {"rig.frame_rows", "20"},
+                                         {"rig.checkpoint_rows", "17"},
+                                         {"numerics.contact_pressure", "50 kPa"}});
+  RunRequest whole = request_in(root / "whole", scene), parts = request_in(root / "parts", scene);
+  const RunSummary once = run(whole);
+  ASSERT_EQ(once.status, "completed") << once.error;
+  EXPECT_LT(once.momentum_error, 1e-12);
+  parts.stop_after_checkpoints = 2;
+  int stops = 0;
+  RunSummary again = run(parts);
+  while (again.status == "stopped" && ++stops < 100) {
+    parts.resume = true;
+    parts.scene = read_run_scene(parts.folder);
+    again = run(parts);
+  }
+  EXPECT_EQ(again.status, "completed") << again.error;
+  EXPECT_GE(stops, 2) << "in both tests";
+  EXPECT_EQ(again.steps, once.steps);
+  EXPECT_EQ(again.energy_error, once.energy_error);
+  ASSERT_EQ(again.results.size(), once.results.size());
+  for (const auto& [name, quantity] : once.results)
+    EXPECT_EQ(again.results.at(name).value, quantity.value) << name;
+  const auto history = [](const std::filesystem::path& folder) {
+    return h5::File::open(folder / "run.h5").root().open_group("history").read_doubles("force");
+  };
+  EXPECT_EQ(history(parts.folder), history(whole.folder));
+  std::filesystem::remove_all(root);
+}
+
+TEST(Oedometer, ThatCannotReachItsPreloadSaysSo) {
+  const auto folder = std::filesystem::temp_directory_path() / "tuft_oedometer_soft";
+  const Scene scene = small_ring(
+      "sbr",
+      {{"rig.sample_travel", "50 um"}, {"rig.speed_factor", "1000.0"}, {"rig.preloads", "[\"1e6 N\"]"}});
+  const RunSummary summary = run(request_in(folder, scene));
+  EXPECT_EQ(summary.status, "failed");
+  EXPECT_NE(summary.error.find("lower rig.preloads"), std::string::npos) << summary.error;
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace tuft::rigs
