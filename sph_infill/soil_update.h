@@ -104,6 +104,12 @@ template <class Real>
   return {symmetric_part(l), {half * (l.zy - l.yz), half * (l.xz - l.zx), half * (l.yx - l.xy)}};
 }
 
+/// A torn point remembers its gap until its density has halved. Spray and the thin edge of a heap go on
+/// expanding for as long as their particles part: remembered without end, the gap would let them pile up at a
+/// fraction of their volume each when they come down, and volumes that large would spoil their neighbours'
+/// sums.
+inline constexpr double largest_gap = 0.6931471805599453;
+
 template <class Real, class Mask>
 struct PressureStep {
   Real dissipated;  ///< plastic work per volume, J/m^3
@@ -123,6 +129,9 @@ auto update_pressure(const Law& law, const Real& strain, SoilStateOf<Real>& stat
   const CurvePieceOf<Real> elastic = law.elastic_piece(elastic_part);
   const Real unbounded = elastic.value(elastic_part), lowest = -law.value(&SoilLaw::tension_cutoff);
   const auto torn = !first && unbounded < lowest;
+  // A gap wider than that is not a gap between neighbours any more.
+  const Real widest = state.plastic_compression - Real(largest_gap);
+  state.compression = select(torn && state.compression < widest, widest, state.compression);
   state.pressure = select(torn, lowest, unbounded);
   state.bulk_modulus = elastic.derivative_at_value(unbounded);
 
