@@ -160,13 +160,19 @@ SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& ste
   const Real zero = 0, half = 0.5;
   const Real strain = -trace(step.strain);
   const SymmetricTensorOf<Real> strain_deviator = deviator(step.strain);
-  const SymmetricTensorOf<Real> turned = rotated(state.deviator, step.rotation);
+  const SymmetricTensorOf<Real> deviator_before = state.deviator;
   const Real pressure_before = state.pressure, modulus_before = state.bulk_modulus;
 
   const auto pressure_step = update_pressure(law, strain, state);
 
-  const Real twice_shear_modulus = law.value(&SoilLaw::shear_ratio) * (modulus_before + state.bulk_modulus);
-  const SymmetricTensorOf<Real> trial = turned + twice_shear_modulus * strain_deviator;
+  // Half of the strain goes in before the turn and half after: second order in the step, and elastic work
+  // over a step, (s + s') : D dt/2, is then the change of s : s/4G exactly.
+  const Real shear_ratio = law.value(&SoilLaw::shear_ratio);
+  const SymmetricTensorOf<Real> first_half = (shear_ratio * modulus_before) * strain_deviator,
+                                second_half = (shear_ratio * state.bulk_modulus) * strain_deviator;
+  const SymmetricTensorOf<Real> half_way = rotated(deviator_before + first_half, step.rotation);
+  const SymmetricTensorOf<Real> trial = half_way + second_half, turned = half_way - first_half;
+  const Real twice_shear_modulus = shear_ratio * (modulus_before + state.bulk_modulus);
   const Real j2 = half * double_dot(trial, trial);
   const Real limit = select(pressure_step.torn, zero, yield_limit_of(law, state.pressure));
   const auto yields = j2 > limit;
@@ -179,7 +185,7 @@ SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& ste
   SoilWorkOf<Real> work;
   work.dissipated = pressure_step.dissipated + select(yields, taken / twice_shear_modulus, zero);
   work.total = half * (pressure_before + state.pressure) * strain +
-               half * double_dot(turned + state.deviator, strain_deviator);
+               half * double_dot(deviator_before + state.deviator, strain_deviator);
   return work;
 }
 
