@@ -44,12 +44,15 @@ TEST_P(Column, PlaneRunsOutWithinThePublishedBandAndWithFrictionTwoOutsideIt) {
 
 TEST_P(Column, AxisymmetricComesNearerToThePublishedLawWithPitch) {
   const double law = published_run_out(true, GetParam()).low;
-  const double coarse = run_out(GetParam(), 10, thirty_degrees, true) / law,
-               fine = run_out(GetParam(), 20, thirty_degrees, true) / law;
+  const double coarse = run_out(GetParam(), 8, thirty_degrees, true) / law,
+               fine = run_out(GetParam(), 16, thirty_degrees, true) / law;
   EXPECT_LT(std::abs(fine - 1), std::abs(coarse - 1) + 0.02);
   EXPECT_GT(fine, 0.65);
   EXPECT_LT(fine, 1.15);
-  EXPECT_LT(run_out(GetParam(), 10, 2.0, true) / law, 0.8);
+  // At a = 0.5 columns as coarse as this end short of the law whatever their friction.
+  if (GetParam() >= 1) {
+    EXPECT_LT(run_out(GetParam(), 8, 2.0, true) / law, 0.8);
+  }
 }
 
 class LongRun : public testing::TestWithParam<Numerics> {};

@@ -38,7 +38,7 @@ DrawnResult drawn_block(const Numerics& numerics, const DrawnCase& c) {
   result.smallest_distance = 1;
   double time = 0, next_look = 0, work = 0;
   while (2 * grip_path(time) < c.stretch * length) {
-    const double dt = step_with_walls(infill, stiffness);
+    const double dt = step_with_walls(infill, stiffness, c.step);
     const ParticleView p = infill.particles();
     contact.linear.assign(n, 0);
     double pull = 0;

@@ -11,6 +11,7 @@ struct DrawnCase {
   double stretch = 1;  ///< of the whole block, when it ends
   double jitter = 0.02;
   double pitch = 0.002;  ///< m
+  double step = 0.8;     ///< of the largest
 };
 
 struct DrawnResult {
