@@ -13,7 +13,8 @@
 /// J2 = s:s/2 <= a0 + a1 p + a2 p^2. No dilation.
 ///
 /// Tension. p >= -p_c; where that bites, the deviator is zero. The gap is remembered: e_p stays, so that
-/// pressure comes back only when the density has. Below p = 0 K stays at K(0).
+/// pressure comes back only when the density has; up to a halved density (largest_gap, soil_update.h). Below
+/// p = 0 K stays at K(0).
 ///
 /// Effects (docs/theory/sph.md says why none of them lets a cycle gain energy), E the largest compression so
 /// far:

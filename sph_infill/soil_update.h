@@ -156,6 +156,12 @@ template <class Real, class Law>
   return select(e > Real(0) && p > Real(0), p, Real(0));
 }
 
+/// A torn point remembers its gap until its density has halved. Spray and the thin edge of a heap go on
+/// expanding for as long as their particles part: remembered without end, the gap would let them pile up at a
+/// fraction of their volume each when they come down, and volumes that large would spoil their neighbours'
+/// sums.
+inline constexpr double largest_gap = 0.6931471805599453;
+
 template <class Real, class Mask>
 struct PressureStep {
   Real dissipated;  ///< plastic work per volume, J/m^3
@@ -182,6 +188,9 @@ auto update_pressure(const Law& law, const Real& strain, SoilStateOf<Real>& stat
       return state.compression > reached;
   }();
   const auto torn = !first && unbounded < lowest;
+  // A gap wider than that is not a gap between neighbours any more.
+  const Real widest = state.plastic_compression - Real(largest_gap);
+  state.compression = select(torn && state.compression < widest, widest, state.compression);
   state.pressure = select(torn, lowest, unbounded);
   state.bulk_modulus = times_if<hard>(elastic.derivative_at_value(unbounded), hardness);
 
@@ -321,16 +330,22 @@ SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& ste
   const Real zero = 0, half = 0.5;
   const Real strain = -trace(step.strain);
   const SymmetricTensorOf<Real> strain_deviator = deviator(step.strain);
-  const SymmetricTensorOf<Real> turned = rotated(state.deviator, step.rotation);
+  const SymmetricTensorOf<Real> deviator_before = state.deviator;
   const Real pressure_before = state.pressure, modulus_before = state.bulk_modulus;
 
   const auto pressure_step = update_pressure<on>(law, strain, state);
 
-  const Real twice_shear_modulus = law.value(&SoilLaw::shear_ratio) * (modulus_before + state.bulk_modulus);
-  SymmetricTensorOf<Real> carried = turned;
+  // Half of the strain goes in before the turn and half after: second order in the step, and elastic work
+  // over a step, (s + s') : D dt/2, is then the change of s : s/4G exactly.
+  const Real shear_ratio = law.value(&SoilLaw::shear_ratio);
+  const SymmetricTensorOf<Real> first_half = (shear_ratio * modulus_before) * strain_deviator,
+                                second_half = (shear_ratio * state.bulk_modulus) * strain_deviator;
+  SymmetricTensorOf<Real> half_way = rotated(deviator_before + first_half, step.rotation);
   if constexpr (on.shear_energy)  // V J2/G kept; exp(strain) is the ratio of volumes, to third order
-    carried = sqrt(state.bulk_modulus * (Real(2) + strain) / (modulus_before * (Real(2) - strain))) * turned;
-  const SymmetricTensorOf<Real> trial = carried + twice_shear_modulus * strain_deviator;
+    half_way =
+        sqrt(state.bulk_modulus * (Real(2) + strain) / (modulus_before * (Real(2) - strain))) * half_way;
+  const SymmetricTensorOf<Real> trial = half_way + second_half, carried = half_way - first_half;
+  const Real twice_shear_modulus = shear_ratio * (modulus_before + state.bulk_modulus);
   const Real j2 = half * double_dot(trial, trial);
   Real limit, expansion_work = 0;
   if constexpr (plain_yield && !on.dilation) {
@@ -357,7 +372,7 @@ SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& ste
   work.dissipated = pressure_step.dissipated + select(yields, taken / twice_shear_modulus, zero);
   if constexpr (on.dilation) work.dissipated -= expansion_work;
   work.total = half * (pressure_before + state.pressure) * strain +
-               half * double_dot(turned + state.deviator, strain_deviator);
+               half * double_dot(deviator_before + state.deviator, strain_deviator);
   if constexpr (on.strength_softening) {
     const Real plastic_shear = (Real(1) - scale) * sqrt(j2) / (half * twice_shear_modulus);
     update_lost_strength<on>(law, plastic_shear, strain, pressure_step.torn, step.duration, state);

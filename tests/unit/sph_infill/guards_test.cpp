@@ -45,10 +45,12 @@ TEST(SphGuards, NonFiniteContactImpulseIsCaughtInTheStepItCameIn) {
 }
 
 TEST(SphGuards, AbsurdDensityStopsTheRunNamingParticleAndRatio) {
-  SphInfill infill(test::block(6, 6, 6, pitch), test::single_material(test::mixture_material()),
-                   settings_of());
+  // Where nothing tears: a torn particle's density stops at a half, see soil_update.h.
+  SphSettings settings = settings_of();
+  settings.tension_cutoff = false;
+  SphInfill infill(test::block(6, 6, 6, pitch), test::single_material(test::mixture_material()), settings);
   const ParticleView p = infill.particles();
-  for (std::size_t i = 0; i < p.size(); ++i) infill.set_velocity(i, 3e4 * p.position(i));  // blown apart
+  for (std::size_t i = 0; i < p.size(); ++i) infill.set_velocity(i, 1e5 * p.position(i));  // blown apart
   expect_error<RunError>([&] { infill.advance(2e-4, 40, {}); }, {"particle 0 ", "density is ", "[0.2, 5]"});
 }
 

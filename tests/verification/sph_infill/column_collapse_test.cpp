@@ -1,0 +1,49 @@
+/// Columns of dry grains collapse as published ones do. Finer ones, all four aspect ratios and their
+/// convergence: tests/validation/sph_infill, docs/verification/sph.md.
+#include <gtest/gtest.h>
+
+#include "tests/verification/sph_infill/cases/column_collapse.h"
+
+namespace tuft::sph {
+namespace {
+
+test::CollapseResult collapse(double aspect, int particles, double friction, bool axisymmetric = false,
+                              const test::Numerics& numerics = {}) {
+  test::CollapseCase c;
+  c.aspect = aspect;
+  c.particles = particles;
+  c.friction = friction;
+  c.axisymmetric = axisymmetric;
+  return test::column_collapse(numerics, c);
+}
+
+constexpr double grains = 0.5774, negative_control = 2.0;  // tan 30 degrees
+
+TEST(PlaneColumn, OfAspectTwoRunsOutWithinThePublishedBand) {
+  const test::CollapseResult r = collapse(2, 12, grains);
+  const test::RunOutLaws band = test::published_run_out(false, 2);
+  RecordProperty("run_out", testing::PrintToString(r.run_out));
+  EXPECT_GT(r.run_out, band.low);
+  EXPECT_LT(r.run_out, band.high);
+  EXPECT_LT(r.energy_error, 1e-3);
+  EXPECT_LT(r.kinetic, 1e-4);
+  EXPECT_LT(r.spray, 0.02);
+}
+
+TEST(PlaneColumn, OfFrictionTwoFallsOutsideTheBand) {
+  const test::CollapseResult r = collapse(2, 12, negative_control);
+  const test::RunOutLaws band = test::published_run_out(false, 2);
+  RecordProperty("run_out", testing::PrintToString(r.run_out));
+  EXPECT_LT(r.run_out, 0.95 * band.low);
+}
+
+TEST(AxisymmetricColumn, OfAspectTwoRunsOutNearThePublishedLaw) {
+  const test::CollapseResult r = collapse(2, 10, grains, true);
+  const double law = test::published_run_out(true, 2).low;
+  RecordProperty("run_out_over_law", testing::PrintToString(r.run_out / law));
+  EXPECT_NEAR(r.run_out / law, 1, 0.25);
+  EXPECT_LT(r.energy_error, 1e-3);
+}
+
+}  // namespace
+}  // namespace tuft::sph
