@@ -43,17 +43,18 @@ TEST_P(Column, PlaneRunsOutWithinThePublishedBandAndWithFrictionTwoOutsideIt) {
   EXPECT_LT(control, measured);
 }
 
-TEST_P(Column, AxisymmetricComesNearerToThePublishedLawWithPitch) {
+class RoundColumn : public testing::TestWithParam<double> {};
+/// The flattest (a = 0.5) ends a quarter short of the law at every pitch and friction.
+INSTANTIATE_TEST_SUITE_P(Aspects, RoundColumn, testing::Values(1.0, 2.0, 4.0));
+
+TEST_P(RoundColumn, ComesNearerToThePublishedLawWithPitchAndWithFrictionTwoFallsShort) {
   const double law = published_run_out(true, GetParam()).low;
   const double coarse = run_out(GetParam(), 8, thirty_degrees, true) / law,
                fine = run_out(GetParam(), 16, thirty_degrees, true) / law;
-  EXPECT_LT(std::abs(fine - 1), std::abs(coarse - 1) + 0.02);
-  EXPECT_GT(fine, 0.65);
+  EXPECT_LT(std::abs(fine - 1), std::abs(coarse - 1));
+  EXPECT_GT(fine, 0.7);
   EXPECT_LT(fine, 1.15);
-  // At a = 0.5 columns as coarse as this end short of the law whatever their friction.
-  if (GetParam() >= 1) {
-    EXPECT_LT(run_out(GetParam(), 8, 2.0, true) / law, 0.8);
-  }
+  EXPECT_LT(run_out(GetParam(), 11, 2.0, true) / law, 0.75);
 }
 
 class LongRun : public testing::TestWithParam<Numerics> {};
