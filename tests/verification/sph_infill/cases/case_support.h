@@ -4,7 +4,9 @@
 /// A case is a function from its sizes and numerics to what was measured. Tests hold the measured against
 /// bounds, tests/validation/sph_infill tabulates it at more pitches and numerics.
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <map>
 
 #include "tests/unit/sph_infill/sph_test_support.h"
 
@@ -86,6 +88,29 @@ inline double smallest_distance(const ParticleView& p) {
     for (std::size_t j = 0; j < i; ++j)
       found = std::min(found, (p.position(i) - p.position(j)).squaredNorm());
   return std::sqrt(found);
+}
+
+/// Share of particles that have another nearer than `distance`; by cells of that size.
+inline double share_closer_than(const ParticleView& p, double distance) {
+  std::map<std::array<long, 3>, std::vector<std::size_t>> cells;
+  const auto cell = [&](std::size_t i) {
+    return std::array<long, 3>{std::lround(p.x[i] / distance), std::lround(p.y[i] / distance),
+                               std::lround(p.z[i] / distance)};
+  };
+  for (std::size_t i = 0; i < p.size(); ++i) cells[cell(i)].push_back(i);
+  std::size_t count = 0;
+  const auto has_other = [&](std::size_t i) {
+    const auto [x, y, z] = cell(i);
+    for (long a = x - 1; a <= x + 1; ++a)
+      for (long b = y - 1; b <= y + 1; ++b)
+        for (long c = z - 1; c <= z + 1; ++c)
+          if (const auto found = cells.find({a, b, c}); found != cells.end())
+            for (const std::size_t j : found->second)
+              if (j != i && (p.position(i) - p.position(j)).norm() < distance) return true;
+    return false;
+  };
+  for (std::size_t i = 0; i < p.size(); ++i) count += has_other(i);
+  return static_cast<double>(count) / static_cast<double>(p.size());
 }
 
 inline bool all_finite(const ParticleView& p) {

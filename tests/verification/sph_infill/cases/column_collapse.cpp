@@ -32,37 +32,42 @@ double distance_from_back(const CollapseCase& c, const ParticleView& p, std::siz
 
 void measure_deposit(const CollapseCase& c, double pitch, double volume, const ParticleView& p,
                      CollapseResult& result) {
-  std::vector<double> thickness(static_cast<std::size_t>(30 * c.particles), 0);
-  const double width = c.slab * pitch;
+  // Wide enough that rows which have spread apart leave none of them empty.
+  const double width = std::max(c.length / 8, 2 * pitch);
+  std::vector<double> thickness(static_cast<std::size_t>(30 * c.length / width), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const auto bin = static_cast<std::size_t>(std::max(0.0, distance_from_back(c, p, i) / pitch));
+    const auto bin = static_cast<std::size_t>(std::max(0.0, distance_from_back(c, p, i) / width));
     if (bin < thickness.size()) thickness[bin] += volume;
   }
   for (std::size_t b = 0; b < thickness.size(); ++b) {
-    const double ring = std::numbers::pi / 4 * pitch * pitch * (2 * static_cast<double>(b) + 1);
-    thickness[b] /= c.axisymmetric ? ring : pitch * width;
+    const double ring = std::numbers::pi / 4 * width * width * (2 * static_cast<double>(b) + 1);
+    thickness[b] /= c.axisymmetric ? ring : width * c.slab * pitch;
   }
   const double thin = front_thickness * c.length;
   std::size_t front = 0;
   while (front + 1 < thickness.size() && thickness[front] >= thin) ++front;
   // Between the middles of the last bin that is thicker and the first that is not.
   const double above = front > 0 ? thickness[front - 1] : thin, below = thickness[front];
-  const double length = (static_cast<double>(front) - 0.5 + (above - thin) / (above - below)) * pitch;
+  const double length = (static_cast<double>(front) - 0.5 + (above - thin) / (above - below)) * width;
   result.run_out = length / c.length - 1;
   for (std::size_t i = 0; i < p.size(); ++i)
-    if (distance_from_back(c, p, i) > length + pitch) result.spray += 1.0 / static_cast<double>(p.size());
-  for (std::size_t b = 0; b < front; ++b) {
-    result.profile_x.push_back((static_cast<double>(b) + 0.5) * pitch / c.length);
-    result.profile_z.push_back(thickness[b] / c.length);
+    if (distance_from_back(c, p, i) > length + width) result.spray += 1.0 / static_cast<double>(p.size());
+  // Surface: the highest of its particles but one in twenty, which may be thrown up; a particle reaches half
+  // a pitch beyond its middle.
+  for (std::size_t b = 0; 2 * static_cast<double>(b) * pitch < length; ++b) {
+    std::vector<double> heights;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (static_cast<std::size_t>(std::max(0.0, distance_from_back(c, p, i) / (2 * pitch))) == b)
+        heights.push_back(p.z[i] + 0.5 * pitch);
+    if (heights.empty()) break;
+    const auto top =
+        heights.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(heights.size() - 1));
+    std::ranges::nth_element(heights, top);
+    result.profile_x.push_back((2 * static_cast<double>(b) + 1) * pitch / c.length);
+    result.profile_z.push_back(*top / c.length);
   }
-  // The bin at the axis is but a few particles: three of them.
-  const std::size_t few = std::min<std::size_t>(3, front);
-  double near = 0, weight = 0;
-  for (std::size_t b = 0; b < few; ++b) {
-    const double area = c.axisymmetric ? 2 * static_cast<double>(b) + 1 : 1;
-    near += area * thickness[b], weight += area;
-  }
-  if (weight > 0) result.height = near / weight / c.length;
+  if (!result.profile_z.empty()) result.height = result.profile_z.front();
+  result.close = share_closer_than(p, 0.5 * pitch);
 }
 
 }  // namespace

@@ -23,12 +23,13 @@ struct CollapseCase {
 
 struct CollapseResult {
   double run_out = 0;                        ///< (L - L0)/L0; L: see column_collapse
-  double height = 0;                         ///< H/L0 at the back wall or the axis, at the end
+  double height = 0;                         ///< H/L0 of the surface at the back wall or the axis, at the end
   double energy_error = 0;                   ///< over the potential energy at first
   double kinetic = 0;                        ///< at the end, over the potential energy at first
   double spray = 0;                          ///< share of the mass beyond L
   double time = 0;                           ///< s, when it was stopped
-  std::vector<double> profile_x, profile_z;  ///< surface at the end, over L0
+  std::vector<double> profile_x, profile_z;  ///< surface at the end in bins of two pitches, over L0
+  double close = 0;  ///< share of particles with another nearer than half a pitch, at the end
 };
 
 /// Plane: a slab `slab` particles thick between two frictionless walls (penalty planes) with a frictionless
@@ -37,9 +38,9 @@ struct CollapseResult {
 /// walls. Axisymmetric: a quarter cylinder between frictionless walls along its two planes of symmetry.
 ///
 /// The floor's normal contact is a penalty spring with a dashpot. L is where the deposit, counted from the
-/// back in bins of one pitch, first becomes thinner than L0/40; what lies beyond is spray and is reported.
-/// The run ends when its kinetic energy is under 1e-4 of the potential energy at first, not before two free
-/// falls of the height, or after ten.
+/// back in bins of L0/8 (of two pitches at least), first becomes thinner than L0/40; what lies beyond is
+/// spray and is reported. The run ends when its kinetic energy is under 1e-4 of the potential energy at
+/// first, not before two free falls of the height, or after ten.
 [[nodiscard]] CollapseResult column_collapse(const Numerics& numerics, const CollapseCase& which);
 
 /// Published run-outs (L - L0)/L0 at an aspect ratio. Plane: Lube et al. 2005, 1.2 a below 2.3, 1.9 a^(2/3)

@@ -1,22 +1,6 @@
 #include "tests/verification/sph_infill/cases/drawn_block.h"
 
 namespace tuft::sph::test {
-namespace {
-
-/// Share of particles that have another nearer than half a pitch.
-double share_close(const ParticleView& p, double pitch) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < p.size(); ++i)
-    for (std::size_t j = 0; j < p.size(); ++j)
-      if (i != j && (p.position(i) - p.position(j)).squaredNorm() < 0.25 * pitch * pitch) {
-        ++count;
-        break;
-      }
-  return static_cast<double>(count) / static_cast<double>(p.size());
-}
-
-}  // namespace
-
 DrawnResult drawn_block(const Numerics& numerics, const DrawnCase& c) {
   const int width = 8, rows = 16;
   const double pitch = c.pitch, length = rows * pitch;
@@ -60,7 +44,7 @@ DrawnResult drawn_block(const Numerics& numerics, const DrawnCase& c) {
       next_look = time + 0.02 * length / c.speed;
       result.smallest_distance =
           std::min(result.smallest_distance, smallest_distance(infill.particles()) / pitch);
-      result.clumped = share_close(infill.particles(), pitch);
+      result.clumped = share_closer_than(infill.particles(), 0.5 * pitch);
       result.close = std::max(result.close, result.clumped);
     }
   }
