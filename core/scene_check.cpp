@@ -268,6 +268,21 @@ void check_effects(const Scene& scene, const Places& places) {
                             idle->why));
 }
 
+/// What sleeps is not computed, so nothing of it may change with time alone.
+void check_sleep(const Scene& scene, const Places& places) {
+  if (scene.numerics.sleep_tolerance == 0 || scene.infill.approach != Approach::sph) return;
+  if (!effect_on(decide_effects(scene), "strength_recovery")) return;
+  for (const Layer& layer : scene.turf.layers) {
+    const Material& material = scene.materials[static_cast<std::size_t>(layer.material)];
+    const auto& recovery = material.continuum->strength_recovery;
+    if (recovery && recovery->time > 0)
+      places.fail("numerics.sleep_tolerance",
+                  fmt::format("{} regains strength with time, at rest too (strength_recovery.time), and what "
+                              "sleeps is not computed; set this to 0, or effects.strength_recovery = false",
+                              material.name));
+  }
+}
+
 }  // namespace
 
 void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
@@ -300,6 +315,7 @@ void complete_scene(Scene& scene, const Places& places) {
   check_tray(scene, places);
   check_missile(scene, places);
   check_effects(scene, places);
+  check_sleep(scene, places);
 }
 
 }  // namespace tuft

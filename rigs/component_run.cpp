@@ -38,13 +38,10 @@ class ComponentRunner {
         summary_(begin_run(request.scene, "fe")) {}
 
   RunSummary run() {
-    try {
+    attempt(summary_, [this] {
       prepare();
       go();
-    } catch (const RunError& error) {
-      summary_.status = "failed";
-      summary_.error = error.what();
-    }
+    });
     conclude();
     return summary_;
   }
@@ -186,14 +183,7 @@ class ComponentRunner {
   }
 
   void conclude() {
-    if (record_) {
-      try {
-        record_->flush();
-      } catch (const RunError& error) {
-        if (summary_.error.empty()) summary_.error = error.what();
-        summary_.status = "failed";
-      }
-    }
+    if (record_) attempt(summary_, [this] { record_->flush(); });
     measure();
     write_summary(request_.folder, summary_);
   }

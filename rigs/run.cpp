@@ -59,13 +59,10 @@ class Runner {
         summary_(begin_run(request.scene, request.scene.infill.approach == Approach::sph ? "sph" : "dem")) {}
 
   RunSummary run() {
-    try {
+    attempt(summary_, [this] {
       prepare();
       go();
-    } catch (const RunError& error) {
-      summary_.status = "failed";
-      summary_.error = error.what();
-    }
+    });
     conclude();
     return summary_;
   }
@@ -195,17 +192,13 @@ class Runner {
 
   /// Last words: what was measured so far, also of a run that failed.
   void conclude() {
-    if (recorder_) {
-      try {
+    if (recorder_)
+      attempt(summary_, [this] {
         if (built_)
           for (const auto& column : state_.rig->finished_columns())
             recorder_->record_finished(column.column.name, column.values);
         recorder_->flush();
-      } catch (const RunError& error) {
-        if (summary_.error.empty()) summary_.error = error.what();
-        summary_.status = "failed";
-      }
-    }
+      });
     if (built_) measure();
     summary_.wall_s = before_.wall + seconds_since(start_);
     write_summary(request_.folder, summary_);

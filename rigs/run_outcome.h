@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 
+#include "core/error.h"
 #include "core/timers.h"
 #include "rigs/run.h"
 
@@ -11,6 +12,18 @@ namespace tuft::rigs {
 /// Names, version and effects; status "failed" until the run says otherwise. Sets the number of threads that
 /// the scene asks for.
 [[nodiscard]] RunSummary begin_run(const Scene& scene, std::string approach);
+
+/// Does a stage of a run. A RunError makes the run a failed one, and is its error unless there was one
+/// before.
+template <class Stage>
+void attempt(RunSummary& summary, Stage&& stage) {
+  try {
+    stage();
+  } catch (const RunError& error) {
+    if (summary.error.empty()) summary.error = error.what();
+    summary.status = "failed";
+  }
+}
 
 /// Phase -> s.
 [[nodiscard]] std::map<std::string, double> phase_seconds(const PhaseTimers& timers);

@@ -64,13 +64,10 @@ class SpecimenRunner {
         summary_(begin_run(request.scene, "sph")) {}
 
   RunSummary run() {
-    try {
+    attempt(summary_, [this] {
       prepare();
       go();
-    } catch (const RunError& error) {
-      summary_.status = "failed";
-      summary_.error = error.what();
-    }
+    });
     conclude();
     return summary_;
   }
@@ -251,14 +248,7 @@ class SpecimenRunner {
   }
 
   void conclude() {
-    if (recorder_) {
-      try {
-        recorder_->flush();
-      } catch (const RunError& error) {
-        if (summary_.error.empty()) summary_.error = error.what();
-        summary_.status = "failed";
-      }
-    }
+    if (recorder_) attempt(summary_, [this] { recorder_->flush(); });
     measure();
     write_summary(request_.folder, summary_);
     if (!recorder_) return;

@@ -180,7 +180,7 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
                     const Kick& kick, bool held, bool measured, std::size_t begin, std::size_t end,
                     Particles& p) {
   PackSums total;
-  Pack unrest_squared = 0;
+  Pack unrest_squared = 0, not_finite = 0;
   for (std::size_t i = begin; i < end; i += lanes) {
     const std::size_t count = std::min(lanes, end - i);
     const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
@@ -192,9 +192,11 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
     const Pack bend = settings.options.smoothing_length / (c * c);
     unrest_squared =
         stdx::max(unrest_squared, stdx::max(motion.speed / (c * c), bend * bend * motion.acceleration));
+    not_finite +=
+        only(0.0 * motion.acceleration, count);  // 0 unless one is not; a maximum would pass it over
   }
   KickSums sums = total.sum();
-  sums.unrest = std::sqrt(-smallest_lane(-unrest_squared));
+  sums.unrest = std::sqrt(-smallest_lane(-unrest_squared)) + sum_lanes(not_finite);
   return sums;
 }
 

@@ -66,7 +66,7 @@ bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec
     const double c = p.stress[i].wave_speed, allowed = share * c * c * p.mass[i];
     const double dx = impulses.x[i] - window * contact_[0][i], dy = impulses.y[i] - window * contact_[1][i],
                  dz = impulses.z[i] - window * contact_[2][i];
-    if (dx * dx + dy * dy + dz * dz > allowed * allowed) return true;
+    if (!(dx * dx + dy * dy + dz * dz <= allowed * allowed)) return true;  // NaN too
   }
   return false;
 }

@@ -2,11 +2,10 @@
 /// Infill at rest sleeps: what moves, and what stands beside it, is computed; nothing else.
 ///
 /// Particles go by blocks. A block is
-///   awake     its particles move;
-///   on guard  held still, beside an awake block or under a contact force that has changed: its stresses and
-///   forces
-///             are computed in every step, as if it were free;
-///   asleep    held still, and so are all neighbours of its particles: nothing of it is computed.
+/// - awake: its particles move;
+/// - on guard: held still, beside an awake block or under a contact force that has changed; its stresses and
+///   forces are computed in every step, as if it were free;
+/// - asleep: held still, and so are all neighbours of its particles; nothing of it is computed.
 ///
 /// Unrest of a particle is the larger of |v|/c and |a| h/c^2, with the acceleration a that it has or would
 /// have: the strain of a wave with that speed of its particles, or of one that changes by as much within h.
@@ -44,7 +43,8 @@ class Sleep {
   /// Of a held block: its particles had no velocity in the last step either.
   [[nodiscard]] bool has_settled(std::size_t block) const { return quiet_[block] == 0; }
   /// Whether a held block with this unrest is let go, in the same step.
-  [[nodiscard]] bool wakes(double unrest) const { return unrest > tolerance_; }
+  /// NaN lets go: what is held still would hide it.
+  [[nodiscard]] bool wakes(double unrest) const { return !(unrest <= tolerance_); }
   [[nodiscard]] bool is_asleep(std::size_t block) const { return enabled() && computed_now_[block] == 0; }
   /// Number of particles in the blocks computed.
   [[nodiscard]] std::size_t computed_particles() const;

@@ -256,10 +256,9 @@ TEST(SceneMistakes, UnknownApproachRigMaterialDesign) {
   EXPECT_EQ(
       complaint_for("approach = \"sph\"", "approach = \"sphh\""),
       "a.toml:14: infill.approach: \"sphh\": unknown; did you mean \"sph\"? \"sph\" or \"dem\" is needed");
-  EXPECT_EQ(
-      complaint_for("\"clegg\"", "\"beast\""),
-      "a.toml:18: rig.type: \"beast\": unknown; \"clegg\", \"strand_tension\", \"backing_tension\", "
-      "\"oedometer\" or \"direct_shear\" is needed");
+  EXPECT_EQ(complaint_for("\"clegg\"", "\"beast\""),
+            "a.toml:18: rig.type: \"beast\": unknown; \"clegg\", \"strand_tension\", \"backing_tension\", "
+            "\"oedometer\" or \"direct_shear\" is needed");
   EXPECT_EQ(complaint_for("\"sbr\"", "\"sbrr\""),
             "a.toml:11: turf.layers.1.material: \"sbrr\": no such file in materials/; did you mean \"sbr\"?");
   EXPECT_EQ(complaint_for("\"slit_film_coarse\"", "\"slit_film_course\""),
@@ -353,6 +352,26 @@ TEST(SceneMistakes, Curves) {
   EXPECT_THAT(curve("{ unit = \"kPa\", strain = [0, 1], values = [0, 1], vaules = 1 }"),
               StartsWith(at + ".vaules: 1: unknown key; did you mean \"values\"?"));
   EXPECT_THAT(curve("3"), StartsWith(at + ": 3: a curve is needed"));
+}
+
+TEST(SceneMistakes, SleepOfAMaterialThatRecoversWithTime) {
+  const auto with = [](const std::string& recovery, const std::string& tolerance) {
+    return read_scene_text(
+        good +
+            "[materials.sbr.continuum]\nstrength_softening = { strain = 0.1, residual_cohesion = "
+            "0.5 }\nstrength_recovery = { " +
+            recovery + " }\n",
+        "a.toml", {{"numerics.sleep_tolerance", tolerance}});
+  };
+  try {
+    (void)with("time = \"2 s\"", "1e-4");
+    ADD_FAILURE() << "was accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("numerics.sleep_tolerance"), HasSubstr("sbr regains strength with time")));
+  }
+  EXPECT_NO_THROW((void)with("time = \"2 s\"", "0"));
+  EXPECT_NO_THROW((void)with("compression = 0.1", "1e-4")) << "rest does not compress";
 }
 
 TEST(SceneMistakes, PartsOfTheSoilLawGivenTwiceOrNotAtAll) {

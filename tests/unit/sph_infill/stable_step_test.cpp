@@ -28,5 +28,13 @@ TEST(StableStep, FallsWithViscosityAndWithTheRateOfStrain) {
   EXPECT_LT(particle_stable_step(both, 3e4, 50, 3e3), particle_stable_step(linear, 3e4, 50, 3e3));
 }
 
+TEST(StableStep, FallsWithTheControlOfZeroEnergyModesByItsMeasuredShare) {
+  SphOptions options = viscous_options(0, 0);
+  options.zero_energy_viscosity = 0.1;
+  const double off = particle_stable_step(make_step_limit(options, false, false), 3e4, 50, 0),
+               on = particle_stable_step(make_step_limit(options, false, true), 3e4, 50, 0);
+  EXPECT_NEAR(on / off, std::sqrt(1 + 0.04 * 0.04) - 0.04, 1e-12);
+}
+
 }  // namespace
 }  // namespace tuft::sph

@@ -3,10 +3,12 @@
 
 #include <unistd.h>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <string>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "tests/unit/sph_infill/sph_test_support.h"
 
@@ -147,6 +149,15 @@ TEST(Sleep, APushAnywhereWakesAndIsReceivedInFullEvenByWhatSleepsOn) {
   for (int k = 0; k < 3; ++k) report = bar.infill.advance(dt, 1, push);
   EXPECT_DOUBLE_EQ(report.impulse_received.x(), 3 * least);
   EXPECT_GT(bar.infill.particles().vx[middle], 0);
+}
+
+TEST(Sleep, AnImpulseThatIsNotANumberEndsTheRunAlthoughTheInfillSleeps) {
+  Bar bar(tolerance);
+  bar.advance(bar.step(), 60);
+  ContactImpulses push;
+  push.linear.assign(bar.lattice.position.size(), 0);
+  push.linear.y[100] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(bar.infill.advance(bar.step(), 1, push), RunError);
 }
 
 TEST(Sleep, ASlowPressIsNotSleptThrough) {
