@@ -350,6 +350,9 @@ struct Effects {
   std::map<std::string, Switch> choice;  ///< by name; names known to the program only
 };
 
+/// What an SPH particle touches bodies with: the infill between its centre and its face, or a stiff penalty.
+enum class BodyContactKind { half_row, penalty };
+
 struct Numerics {
   double step_safety = 0.8;          ///< (0, 1], of the stable step of every part
   double mass_scaling_limit = 0;     ///< [0, 1), share of the carpet's mass that may be added; 0: off
@@ -358,7 +361,8 @@ struct Numerics {
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double sleep_tolerance = 0;            ///< strain under which SPH infill at rest sleeps; 0: none does
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
-  double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch
+  double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch, of the penalty
+  BodyContactKind body_contact = BodyContactKind::half_row;
   double shell_contact_radius =
       0.5;  ///< (0, 1]: contact radius of SPH particles at shells over half their diameter
   double contact_release_time = 0.002;  ///< s, over which initial overlap is let go

@@ -12,6 +12,7 @@ constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension
                                      "direct_shear"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
 constexpr std::string_view strain_bases[] = {"length", "height"};
+constexpr std::string_view body_contacts[] = {"half_row", "penalty"};
 constexpr std::string_view strip_grips[] = {"hold_width", "let_contract"};
 
 constexpr double largest_integer = 9.2e18;  // TOML's integers have 64 bits and a sign
@@ -188,6 +189,10 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
                 numerics.contact_pressure, "Pa", positive);
   keys.number({"contact_stiffness_factor", "contact stiffness over constrained modulus x pitch"},
               numerics.contact_stiffness_factor, positive);
+  keys.enumeration(
+      {"body_contact",
+       "spring of SPH particles against bodies: half_row, the infill between centre and face, or penalty"},
+      numerics.body_contact, body_contacts);
   keys.number({"shell_contact_radius", "contact radius of SPH particles at shells over half their diameter"},
               numerics.shell_contact_radius, share);
   keys.quantity({"contact_release_time", "time over which initial overlap is let go"},

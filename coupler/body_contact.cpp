@@ -19,6 +19,11 @@ SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahea
 
 }  // namespace
 
+BodyContact::BodyContact(BodyContactSettings settings)
+    : settings_(std::move(settings)),
+      stiffens_(std::any_of(settings_.spring.begin(), settings_.spring.end(),
+                            [](const NormalSpring& spring) { return spring.stiffening > 0; })) {}
+
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
   std::vector<PairKey> keys;
@@ -38,7 +43,7 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
       const Index i = key_point(keys_[g]);
       const double overlap =
           points.radius[i] - surface_point(bodies[key_other(keys_[g])], points.position(i), 0).distance;
-      histories_[g].offset = std::sqrt(settings_.stiffness[i]) * std::max(0.0, overlap);
+      histories_[g].offset = std::sqrt(settings_.spring[i].stiffness) * std::max(0.0, overlap);
       // Rounding of a lattice against a wall is not an overlap.
       if (overlap > 1e-9 * points.radius[i]) ++initial_overlap_.pairs;
       initial_overlap_.largest = std::max(initial_overlap_.largest, overlap);
@@ -54,12 +59,12 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactHistory& history = histories_[pair];
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
-  const ContactParameters parameters{settings_.stiffness[i], settings_.damping_ratio[i], tangential_ratio,
+  const ContactParameters parameters{settings_.spring[i], settings_.damping_ratio[i], tangential_ratio,
                                      body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double overlap = points.radius[i] - surface.distance;
   ContactKinematics kinematics;
-  const double root = std::sqrt(parameters.stiffness);
+  const double root = std::sqrt(parameters.spring.stiffness);
   kinematics.overlap = overlap - history.offset / root * release;
   if (!(kinematics.overlap > 0)) {
     result.contact.friction = release_spring(history);
@@ -72,7 +77,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   kinematics.closing = -kinematics.velocity.dot(kinematics.normal);
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
   result.contact = compute_contact_force(parameters, kinematics, dt, history);
-  result.released = release_work(parameters.stiffness, kinematics.overlap,
+  result.released = release_work(parameters.spring, kinematics.overlap,
                                  history.offset / root * (release_before - release), kinematics.closing * dt);
   result.touching = true;
   return result;
@@ -102,21 +107,43 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
   }
 }
 
-double BodyContact::largest_frequency_squared(std::span<const double> mass) const {
-  double largest = 0;
-  for (std::size_t i = 0; i < mass.size(); ++i) largest = std::max(largest, settings_.stiffness[i] / mass[i]);
-  return largest;
+std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
+                                                  const std::vector<RigidBody>& bodies,
+                                                  double horizon) const {
+  std::vector<double> stiffness(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const NormalSpring& spring = settings_.spring[i];
+    // Nothing but the pairs says how far a spring that stiffens is pressed in.
+    stiffness[i] = !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+  }
+  if (!stiffens_) return stiffness;
+  for (const PairKey key : keys_) {
+    const Index i = key_point(key);
+    const RigidBody& body = bodies[static_cast<std::size_t>(key_other(key))];
+    const SurfacePoint surface = surface_point(body, points.position(i), 0);
+    const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
+    const double overlap = points.radius[i] - surface.distance + horizon * std::max(0.0, closing);
+    if (overlap > 0) stiffness[i] = std::max(stiffness[i], settings_.spring[i].tangent(overlap));
+  }
+  return stiffness;
 }
 
-double BodyContact::stable_step(std::span<const double> mass) const {
+double BodyContact::stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                                double horizon, bool with_dashpots) const {
+  const std::vector<double> stiffness = coming_stiffness(points, bodies, horizon);
   // Of each point the bodies near it; before the first search it may be any three.
-  std::vector<int> near(mass.size(), searched_ ? 0 : 3);
-  for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
+  std::vector<int> near(with_dashpots ? points.size() : 0, searched_ ? 0 : 3);
+  if (with_dashpots)
+    for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
   double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    const double zeta = settings_.damping_ratio[i];
-    const double stiffness = settings_.stiffness[i] * (1 + tangential_ratio * std::max(0, near[i] - 1));
-    smallest = std::min(smallest, 2 * std::sqrt(mass[i] / stiffness) * (std::sqrt(1 + zeta * zeta) - zeta));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double k = stiffness[i], share = 1;
+    if (with_dashpots) {
+      const double zeta = settings_.damping_ratio[i];
+      k *= 1 + tangential_ratio * std::max(0, near[i] - 1);
+      share = std::sqrt(1 + zeta * zeta) - zeta;
+    }
+    if (k > 0) smallest = std::min(smallest, 2 * std::sqrt(points.mass[i] / k) * share);
   }
   return smallest;
 }

@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "core/infill.h"
+#include "coupler/contact_law.h"
 #include "coupler/contact_pairs.h"
 #include "coupler/rigid_body.h"
 
 namespace tuft::coupler {
 
 struct BodyContactSettings {
-  std::vector<double> stiffness;      ///< N/m, per point
+  std::vector<NormalSpring> spring;   ///< per point
   std::vector<double> damping_ratio;  ///< per point
   std::vector<FrictionLaw> friction;  ///< per point, against bodies that have none of their own
 };
@@ -23,7 +24,7 @@ struct BodyImpulses {
 
 class BodyContact {
  public:
-  explicit BodyContact(BodyContactSettings settings) : settings_(std::move(settings)) {}
+  explicit BodyContact(BodyContactSettings settings);
 
   /// Pairs closer than touching + skin; points with skip[i] != 0 take no part (skip may be empty).
   void search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
@@ -40,13 +41,13 @@ class BodyContact {
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
-  /// Largest stiffness over mass of the points, 1/s^2: bounds the step together with the points' own
-  /// stiffness.
-  [[nodiscard]] double largest_frequency_squared(std::span<const double> mass) const;
-  /// Largest stable step of the contacts alone, s, 2/omega (sqrt(1 + zeta^2) - zeta) with the dashpots, whose
-  /// force is taken from the velocity half a step before. A point between several bodies feels the tangential
-  /// springs of the others beside the normal one.
-  [[nodiscard]] double stable_step(std::span<const double> mass) const;
+  /// Largest stable step of the contacts alone, s, over the coming `horizon` (s): 2/omega. Of the springs that
+  /// stiffen only those near a body count, with the overlap that they will have at the end of it as they close
+  /// in now; before the first search, all with the most they can stiffen. `with_dashpots`: (2/omega)(sqrt(1 +
+  /// zeta^2) - zeta), for the dashpot's force is taken from the velocity half a step before; and a point
+  /// between several bodies feels the tangential springs of the others beside the normal one.
+  [[nodiscard]] double stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                                   double horizon, bool with_dashpots) const;
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);
@@ -60,8 +61,13 @@ class BodyContact {
   };
   Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
                        double ahead, double dt, double release, double release_before);
+  /// Per point, N/m: the stiffest that its springs will be, see stable_step.
+  [[nodiscard]] std::vector<double> coming_stiffness(const ParticleView& points,
+                                                     const std::vector<RigidBody>& bodies,
+                                                     double horizon) const;
 
   BodyContactSettings settings_;
+  bool stiffens_ = false;  ///< any of the springs
   std::vector<PairKey> keys_;
   std::vector<ContactHistory> histories_;
   std::vector<Result> results_;

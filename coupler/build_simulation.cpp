@@ -43,6 +43,7 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
 
 struct PointContact {
   std::vector<double> stiffness, damping_ratio;
+  std::vector<NormalSpring> body_spring;
   std::vector<FrictionLaw> fibre_friction, body_friction;
 };
 
@@ -57,6 +58,10 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
         scene.infill.approach == Approach::sph
             ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
             : dem_contact_stiffness(material, radius));
+    result.body_spring.push_back(
+        scene.infill.approach == Approach::sph && scene.numerics.body_contact == BodyContactKind::half_row
+            ? half_row_spring(material, scene.numerics, radius, sph::soil_effects_of(effects))
+            : NormalSpring{result.stiffness.back()});
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -85,6 +90,20 @@ double sph_contact_stiffness(const Material& material, const Numerics& numerics,
           ? material.contact_modulus
           : sph::constrained_modulus(*material.continuum, numerics.contact_pressure, effects);
   return numerics.contact_stiffness_factor * modulus * 2 * radius;
+}
+
+NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
+                             const sph::SoilEffects& effects) {
+  const double area = 4 * radius * radius;
+  if (material.contact_modulus > 0) return {material.contact_modulus * area / radius};
+  const double pressure = numerics.contact_pressure,
+               modulus = sph::constrained_modulus(*material.continuum, 0, effects),
+               growth = (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
+  NormalSpring spring{modulus * area / radius};
+  if (!(growth > 0)) return spring;
+  spring.stiffening = growth / radius;
+  spring.end = std::log1p(growth * pressure / modulus) / spring.stiffening;
+  return spring;
 }
 
 double dem_contact_stiffness(const Material& material, double radius) {
@@ -170,11 +189,11 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.particle_shell.stiffness = contact.stiffness;
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
-  parts.particle_body = {contact.stiffness, contact.damping_ratio, contact.body_friction};
+  parts.particle_body = {contact.body_spring, contact.damping_ratio, contact.body_friction};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)
-    parts.node_body.stiffness.push_back(parts.particle_shell.shell_share * k);
+    parts.node_body.spring.push_back({parts.particle_shell.shell_share * k});
   const double restitution = scene.turf.carpet.contact_restitution;
   parts.node_body.damping_ratio.assign(
       nodes, effect_on(request.effects, "contact_damping") ? damping_ratio_of_restitution(restitution) : 0);
@@ -206,11 +225,13 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
       std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
   parts.bodies = request.bodies;
   const PointContact contact = particle_contact(scene, request.effects, parts.infill->particles());
-  parts.particle_body = {contact.stiffness, contact.damping_ratio, contact.body_friction};
+  parts.particle_body = {{}, contact.damping_ratio, contact.body_friction};
   constexpr double of_wall_row = 2.0 / 3;  // about the volume of a particle at a wall over that of one inside
   for (std::size_t i = 0; i < lattice.volume.size(); ++i) {
     const double edge = 2 * lattice.radius.at(i);
-    parts.particle_body.stiffness[i] *= std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
+    const double share = std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
+    // Rows lie on the walls: there is no half row between.
+    parts.particle_body.spring.push_back({share * contact.stiffness[i]});
   }
   parts.gravity = gravity;
   parts.numerics = scene.numerics;

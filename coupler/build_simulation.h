@@ -58,6 +58,13 @@ struct SpecimenRequest {
 /// What the user should know of the mesh file that the carpet comes from; empty for a generated carpet.
 [[nodiscard]] std::vector<std::string> carpet_mesh_notes(const Scene& scene);
 
+/// What an SPH particle presses bodies with where numerics.body_contact is half_row: the infill between its
+/// centre and its face, half a row of thickness r and area (2 r)^2, compressed elastically under the contact's
+/// stress, dF/dD = M(F/(2r)^2) (2r)^2/r. M, the constrained modulus, is taken as straight from no pressure to
+/// numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M where given.
+[[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
+                                           const sph::SoilEffects& effects = {});
+
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;
 /// DEM: E/(1 - nu^2) x radius, the secant of a Hertz contact pressed in by about half a radius.

@@ -3,6 +3,7 @@
 /// functions of their arguments; who touches whom is decided elsewhere.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/scene.h"
@@ -10,10 +11,34 @@
 
 namespace tuft::coupler {
 
+/// Normal spring. Linear, or one that stiffens as the infill behind it does: the stiffness grows with the force,
+/// dF/dD = k + s F, so F = k/s (exp(s D) - 1), up to the overlap `end`, beyond which it stays.
+struct NormalSpring {
+  double stiffness = 0;   ///< N/m, > 0: k, at touch
+  double stiffening = 0;  ///< 1/m, >= 0: s
+  double end = std::numeric_limits<double>::infinity();  ///< m, > 0
+
+  [[nodiscard]] double tangent(double overlap) const {
+    return stiffening > 0 ? stiffness * std::exp(stiffening * std::min(overlap, end)) : stiffness;
+  }
+  [[nodiscard]] double force(double overlap) const {
+    if (!(stiffening > 0)) return stiffness * overlap;
+    if (overlap > end) return force(end) + tangent(end) * (overlap - end);
+    return stiffness / stiffening * std::expm1(stiffening * overlap);
+  }
+  /// J, from touch to the overlap.
+  [[nodiscard]] double energy(double overlap) const {
+    if (!(stiffening > 0)) return 0.5 * stiffness * overlap * overlap;
+    if (overlap > end)
+      return energy(end) + (force(end) + 0.5 * tangent(end) * (overlap - end)) * (overlap - end);
+    return stiffness / stiffening * (std::expm1(stiffening * overlap) / stiffening - overlap);
+  }
+};
+
 /// What stays the same while two things touch.
 struct ContactParameters {
-  double stiffness = 0;      ///< N/m, > 0: normal penalty, from the materials
-  double damping_ratio = 0;  ///< [0, 1), of the critical damping of stiffness and effective mass
+  NormalSpring spring;       ///< from the materials
+  double damping_ratio = 0;  ///< [0, 1), of the critical damping of the tangent stiffness and effective mass
   double tangential_ratio =
       0.5;  ///< tangential over normal stiffness (Mindlin: 2(1-nu)/(2-nu), 0.7-1; assumed lower, softer)
   FrictionLaw friction;
@@ -31,7 +56,7 @@ struct ContactHistory {
   double distance = 0;  ///< m, of the centre from the shell on that side when last looked at, < 0 beyond
 };
 
-/// One moment of a contact whose potential is k D^2/2 of an overlap D. `normal` is a unit vector from the
+/// One moment of a contact whose potential is the spring's energy at an overlap D. `normal` is a unit vector from the
 /// other body towards the particle.
 struct ContactKinematics {
   double overlap = 0;  ///< m, D > 0, after the offset is taken off
@@ -74,9 +99,9 @@ inline double damping_ratio_of_restitution(double restitution) {
 /// the rest of the spring's work. (For an overlap held fast, as if nothing moved, the work of a step would be
 /// off by half of stiffness x let_go x moved, and an overlap let go slowly moves nearly as far as it is let
 /// go.)
-inline double release_work(double stiffness, double overlap, double let_go, double moved) {
+inline double release_work(const NormalSpring& spring, double overlap, double let_go, double moved) {
   const double before = std::max(0.0, overlap - let_go - moved);
-  return 0.5 * stiffness * (overlap + before) * let_go;
+  return 0.5 * (spring.force(overlap) + spring.force(before)) * let_go;
 }
 
 /// mu(v) = FD + (FS - FD) exp(-DC v).
@@ -85,7 +110,7 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
          (law.static_coefficient - law.dynamic_coefficient) * std::exp(-law.decay * speed);
 }
 
-/// Along D: P = max(0, k D + c D'), c = 2 zeta sqrt(k m), and the particle feels -P grad D. No adhesion: the
+/// Along D: P = max(0, F(D) + c D'), c = 2 zeta sqrt(F'(D) m), and the particle feels -P grad D. No adhesion: the
 /// dashpot can take the spring's force away but never pull. Tangential: spring and dashpot against the slip
 /// since touch, cut at mu(v) N, N = P |grad D|; the spring follows the cut, so that reversal starts from a
 /// loaded spring. The spring is turned into the present tangent plane.
@@ -97,14 +122,15 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
 inline ContactForce compute_contact_force(const ContactParameters& p, const ContactKinematics& c, double dt,
                                           ContactHistory& history) {
   ContactForce result;
-  const double dashpot = 2.0 * p.damping_ratio * std::sqrt(p.stiffness * c.effective_mass);
-  const double spring_force = p.stiffness * c.overlap;
+  const double stiffness = p.spring.tangent(c.overlap);
+  const double dashpot = 2.0 * p.damping_ratio * std::sqrt(stiffness * c.effective_mass);
+  const double spring_force = p.spring.force(c.overlap);
   const double pressed = std::max(0.0, spring_force + dashpot * c.closing);
   const double beyond_spring = pressed - spring_force, normal_force = pressed * c.gradient;
   result.damped = 0.5 * (history.dashpot + beyond_spring) * c.closing * dt;
   history.dashpot = beyond_spring;
 
-  const double root = std::sqrt(p.tangential_ratio * p.stiffness);
+  const double root = std::sqrt(p.tangential_ratio * stiffness);
   const Vec3 slip_velocity = c.velocity - c.velocity.dot(c.normal) * c.normal;
   Vec3 spring = history.spring - history.spring.dot(c.normal) * c.normal;
   const double turned = spring.squaredNorm(), length = history.spring.squaredNorm();
@@ -125,7 +151,7 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
   const double stored = 0.5 * spring.squaredNorm();
   result.friction = -0.5 * (history.tangential + tangential).dot(c.velocity) * dt - (stored - stored_before);
   history.tangential = tangential;
-  result.elastic = 0.5 * p.stiffness * c.overlap * c.overlap + stored;
+  result.elastic = p.spring.energy(c.overlap) + stored;
   result.pressed = pressed;
   result.force = normal_force * c.normal + tangential;
   return result;

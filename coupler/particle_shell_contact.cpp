@@ -124,13 +124,13 @@ void ParticleShellContact::evaluate_pair(std::size_t pair, const Moment& now, Bl
   const double radius = now.particles.radius[p] * settings_.radius_factor;
   ContactKinematics kinematics = kinematics_of(p, now, radius, overlap);
   kinematics.overlap = depth;
-  const ContactParameters parameters{stiffness, settings_.damping_ratio[p], 0.5, settings_.friction[p]};
+  const ContactParameters parameters{{stiffness}, settings_.damping_ratio[p], 0.5, settings_.friction[p]};
   const ContactForce contact = compute_contact_force(parameters, kinematics, now.dt, history);
   block.energy.elastic += contact.elastic;
   block.energy.damped += contact.damped;
   block.energy.friction += contact.friction;
   block.energy.released +=
-      release_work(stiffness, depth, history.offset / root * (now.release_before - now.release),
+      release_work(parameters.spring, depth, history.offset / root * (now.release_before - now.release),
                    kinematics.closing * now.dt);
   block.softening += settings_.stiffness[p] / stiffness;
   block.particles.push_back({contact.force, -radius * kinematics.normal, p});

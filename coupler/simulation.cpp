@@ -89,19 +89,18 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
   body.load = force;
 }
 
-StableSteps Simulation::stable_steps() const {
-  const ParticleView particles = parts_.infill->particles();
-  if (!has_carpet()) {  // the infill alone sets the window
-    const double infill = parts_.infill->stable_step(), touching = particle_body_.stable_step(particles.mass);
+StableSteps Simulation::stable_steps(double interval) const {
+  const double infill = parts_.infill->stable_step();
+  const double touching =
+      particle_body_.stable_step(parts_.infill->particles(), parts_.bodies, interval, !has_carpet());
+  if (!has_carpet())  // the infill alone sets the window
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
-  }
-  const double contact = particle_body_.largest_frequency_squared(particles.mass);
-  return {parts_.carpet->stable_step(), parts_.infill->stable_step(), 2.0 / std::sqrt(contact),
-          parts_.carpet->subcycle_ratio()};
+  return {parts_.carpet->stable_step(), infill, touching, parts_.carpet->subcycle_ratio()};
 }
 
 void Simulation::advance_interval(double interval) {
-  plan_ = plan_steps(stable_steps(), parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
+  if (windows_ == 0) check_candidates();  // which contacts may bound the step
+  plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
   const double start = time_;
@@ -117,6 +116,21 @@ void Simulation::advance_interval(double interval) {
     referenced_ = true;
   }
   ledger_.enter(time_, energy_terms(), describe_fastest());
+}
+
+/// Steps are shortened at once, but lengthened only where they will stay so: each change costs accuracy.
+StepPlan Simulation::next_plan(double interval) const {
+  constexpr double margin = 0.85;
+  const auto plan_for = [&](const StableSteps& stable) {
+    return plan_steps(stable, parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
+  };
+  StableSteps stable = stable_steps(interval);
+  const StepPlan plan = plan_for(stable);
+  const bool same_interval = std::abs(plan_.windows * plan_.window - interval) < 1e-9 * interval;
+  if (!same_interval || plan.windows >= plan_.windows || plan.carpet_subcycle != plan_.carpet_subcycle)
+    return plan;
+  stable.carpet *= margin, stable.infill *= margin, stable.contact *= margin;
+  return plan_for(stable).windows < plan_.windows ? plan : plan_;
 }
 
 double Simulation::release_at(double time) const {

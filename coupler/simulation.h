@@ -59,7 +59,8 @@ class Simulation {
   void set_time(double time) { time_ = time; }
   [[nodiscard]] std::uint64_t windows() const { return windows_; }
   [[nodiscard]] const StepPlan& step_plan() const { return plan_; }
-  [[nodiscard]] StableSteps stable_steps() const;
+  /// For the coming `interval`, s.
+  [[nodiscard]] StableSteps stable_steps(double interval) const;
   [[nodiscard]] const fe::Carpet& carpet() const { return *parts_.carpet; }
   [[nodiscard]] Infill& infill() { return *parts_.infill; }
   [[nodiscard]] const Infill& infill() const { return *parts_.infill; }
@@ -89,6 +90,7 @@ class Simulation {
   void load(const h5::Group& group);
 
  private:
+  [[nodiscard]] StepPlan next_plan(double interval) const;
   void advance_window();
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   void step_carpet();

@@ -75,7 +75,12 @@ void Simulation::save(h5::Group& group) {
                                     referenced_ ? 1.0 : 0.0,
                                     body_damping_,
                                     pending_external_,
-                                    pending_damping_};
+                                    pending_damping_,
+                                    plan_.window,
+                                    double(plan_.windows),
+                                    double(plan_.carpet_substeps),
+                                    double(plan_.infill_substeps),
+                                    double(plan_.carpet_subcycle)};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("windows", windows_);
   group.write_scalar("searches", searches_);
@@ -132,6 +137,8 @@ void Simulation::load(const h5::Group& group) {
   body_damping_ = numbers.at(11);
   pending_external_ = numbers.at(12);
   pending_damping_ = numbers.at(13);
+  const auto count = [&](std::size_t k) { return static_cast<int>(numbers.at(k)); };
+  plan_ = {count(15), count(16), count(17), numbers.at(14), count(18)};
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");

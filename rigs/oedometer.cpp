@@ -126,12 +126,12 @@ void Oedometer::begin(std::size_t test, const coupler::Simulation& simulation) {
   speed_ = 0;
   start_height_ = height_before_ = simulation.bodies()[upper_plate].position.z();
   const ParticleView p = simulation.infill().particles();
-  const std::vector<double>& stiffness = simulation.particle_body().settings().stiffness;
+  const std::vector<coupler::NormalSpring>& spring = simulation.particle_body().settings().spring;
   double below = 0, above = 0, mass = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     mass += p.mass[i];
-    if (p.z[i] < 0.1 * p.radius[i]) below += stiffness[i];
-    if (p.z[i] > rig_.height - 0.1 * p.radius[i]) above += stiffness[i];
+    if (p.z[i] < 0.1 * p.radius[i]) below += spring[i].stiffness;
+    if (p.z[i] > rig_.height - 0.1 * p.radius[i]) above += spring[i].stiffness;
   }
   give_below_ = 1 / below;
   give_above_ = 1 / above;

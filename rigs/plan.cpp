@@ -104,7 +104,7 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
   plan.nodes = carpet.nodes().x.size();
   remark_on_mass_scaling(plan, carpet.mass_scaling());
   take_group_steps(plan, carpet, scene.numerics.step_safety);
-  take_steps(plan, simulation.stable_steps(), scene, state.schedule);
+  take_steps(plan, simulation.stable_steps(state.schedule.interval), scene, state.schedule);
   simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
   simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
   const auto start = std::chrono::steady_clock::now();

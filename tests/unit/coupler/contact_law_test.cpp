@@ -39,16 +39,16 @@ Bounce bounce(const ContactParameters& p, double mass, const Vec3& velocity_in, 
 
 TEST(ContactLaw, ReboundFollowsTheRestitutionOfTheDampingRatio) {
   for (const double restitution : {0.3, 0.5, 0.9, 1.0}) {
-    const ContactParameters p{1e5, damping_ratio_of_restitution(restitution), 0.5, {}};
-    const double mass = 1e-4, period = 2 * std::numbers::pi * std::sqrt(mass / p.stiffness);
+    const ContactParameters p{{1e5}, damping_ratio_of_restitution(restitution), 0.5, {}};
+    const double mass = 1e-4, period = 2 * std::numbers::pi * std::sqrt(mass / p.spring.stiffness);
     const Bounce b = bounce(p, mass, Vec3(0, 0, -2), period / 2000);
     EXPECT_NEAR(b.rebound / 2, restitution, 0.005);
   }
 }
 
 TEST(ContactLaw, DampedEnergyIsTheKineticEnergyLost) {
-  const ContactParameters p{1e5, damping_ratio_of_restitution(0.5), 0.5, {}};
-  const double mass = 1e-4, period = 2 * std::numbers::pi * std::sqrt(mass / p.stiffness);
+  const ContactParameters p{{1e5}, damping_ratio_of_restitution(0.5), 0.5, {}};
+  const double mass = 1e-4, period = 2 * std::numbers::pi * std::sqrt(mass / p.spring.stiffness);
   const Bounce b = bounce(p, mass, Vec3(0, 0, -2), period / 4000);
   const double lost = 0.5 * mass * (4 - b.rebound * b.rebound);
   EXPECT_NEAR(b.damped / lost, 1, 5e-3);
@@ -63,7 +63,7 @@ TEST(ContactLaw, WorkOfAnOverlapLetGoIsWhatMassAndSpringGainToRounding) {
     overlap += speed * dt;
     const double depth = overlap - first_overlap * (1 - k / steps);
     if (!(depth > 0)) break;
-    work += release_work(stiffness, depth, let_go, speed * dt);
+    work += release_work({stiffness}, depth, let_go, speed * dt);
     const double before = speed;
     speed -= stiffness * depth / mass * dt;
     ASSERT_NEAR(0.5 * mass * before * speed + 0.5 * stiffness * depth * depth, work, 1e-12 * work) << k;
@@ -73,8 +73,40 @@ TEST(ContactLaw, WorkOfAnOverlapLetGoIsWhatMassAndSpringGainToRounding) {
       << "it moves as far as it is let go";
 }
 
+constexpr NormalSpring stiffening_spring{2e5, 3e3, 4e-4};
+
+TEST(NormalSpring, ForceIsTheDerivativeOfItsEnergyAndTangentThatOfItsForce) {
+  const NormalSpring& s = stiffening_spring;
+  constexpr double step = 1e-8;
+  for (const double d : {1e-5, 2e-4, 3.99e-4, 4.01e-4, 8e-4}) {
+    EXPECT_NEAR((s.energy(d + step) - s.energy(d - step)) / (2 * step) / s.force(d), 1, 1e-7) << d;
+    EXPECT_NEAR((s.force(d + step) - s.force(d - step)) / (2 * step) / s.tangent(d), 1, 1e-7) << d;
+  }
+  EXPECT_EQ(s.force(0), 0);
+  EXPECT_EQ(s.energy(0), 0);
+}
+
+TEST(NormalSpring, StiffensInProportionToItsForceUpToItsEndAndNotBeyond) {
+  const NormalSpring& s = stiffening_spring;
+  for (const double d : {1e-5, 1e-4, 3.9e-4})
+    EXPECT_NEAR(s.tangent(d) / (s.stiffness + s.stiffening * s.force(d)), 1, 1e-12) << d;
+  EXPECT_EQ(s.tangent(1e-3), s.tangent(s.end));
+}
+
+TEST(NormalSpring, WithLittleStiffeningIsTheLinearOne) {
+  const NormalSpring linear{2e5}, nearly{2e5, 1e-3};
+  EXPECT_NEAR(nearly.force(3e-4) / linear.force(3e-4), 1, 1e-6);
+  EXPECT_NEAR(nearly.energy(3e-4) / linear.energy(3e-4), 1, 1e-6);
+}
+
+TEST(ContactLaw, ASpringThatStiffensGivesBackTheVelocityItTook) {
+  const ContactParameters p{stiffening_spring, 0, 0.5, {}};
+  const Bounce b = bounce(p, 1e-4, Vec3(0, 0, -30), 2e-9);
+  EXPECT_NEAR(b.rebound / 30, 1, 1e-4);
+}
+
 TEST(ContactLaw, ForceNeverPulls) {
-  const ContactParameters p{1e4, 0.9, 0.5, {}};
+  const ContactParameters p{{1e4}, 0.9, 0.5, {}};
   ContactHistory history;
   const ContactForce f =
       compute_contact_force(p, moment(1e-6, Vec3(0, 0, 1), Vec3(0, 0, 50), 1e-3), 1e-6, history);
@@ -87,7 +119,7 @@ TEST(ContactLaw, ForceNeverPulls) {
 TEST(ContactLaw, SlidingForceIsCoulombsWithTheCoefficientOfThatSpeed) {
   const FrictionLaw law{0.44, 0.60, 300};
   for (const double speed : {0.001, 0.01, 1.0}) {
-    const ContactParameters p{1e5, 0, 0.5, law};
+    const ContactParameters p{{1e5}, 0, 0.5, law};
     ContactHistory history;
     ContactForce f;
     for (int i = 0; i < 20000; ++i)
@@ -108,7 +140,7 @@ TEST(ContactLaw, FrictionMayRiseWithSpeed) {
 }
 
 TEST(ContactLaw, StickingSpringReturnsItsEnergyWithoutLoss) {
-  const ContactParameters p{1e5, 0, 0.5, {10, 10, 0}};
+  const ContactParameters p{{1e5}, 0, 0.5, {10, 10, 0}};
   ContactHistory history;
   const double dt = 1e-6, mass = 1e-4;
   double x = 0, v = 0.05, friction = 0, largest = 0;
@@ -127,7 +159,7 @@ TEST(ContactLaw, StickingSpringReturnsItsEnergyWithoutLoss) {
 
 TEST(ContactLaw, ForceTurnsWithTheContact) {
   // The same state seen from a rotated frame gives the rotated force.
-  const ContactParameters p{3e4, 0.2, 0.5, {0.4, 0.6, 10}};
+  const ContactParameters p{{3e4}, 0.2, 0.5, {0.4, 0.6, 10}};
   const Mat3 turn = (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())).toRotationMatrix();
   ContactHistory a, b;
   a.spring = std::sqrt(0.5 * 3e4) * Vec3(1e-5, 2e-5, 0);

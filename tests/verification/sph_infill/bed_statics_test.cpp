@@ -42,6 +42,11 @@ TEST_P(GeostaticColumn, PressedBetweenPlatesIsTooStiffByAShareThatFallsWithItsRo
   EXPECT_LT(test::pressed_block({GetParam()}, 10, 2) - 1, 0.03);
 }
 
+/// Contact's impulse is a force times the step: a kick of another length would throw what is in balance.
+TEST_P(GeostaticColumn, StaysAtRestWhereStepsChange) {
+  EXPECT_LT(test::kinetic_energy_under_changing_steps({GetParam()}), 1e-14);
+}
+
 class RestingBed : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, RestingBed,
                          testing::Values(test::Numerics{test::Preset::accurate},

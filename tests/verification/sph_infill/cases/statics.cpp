@@ -112,6 +112,31 @@ double pressed_block(const Numerics& numerics, int rows, double contact_stiffnes
   return force / std::pow(width * pitch, 2) / (modulus * strain);
 }
 
+double kinetic_energy_under_changing_steps(const Numerics& numerics) {
+  constexpr double pitch = 0.002;
+  constexpr int side = 6;
+  const auto materials = single_material(mixture_material());
+  SphInfill infill(block(side, side, side, pitch), materials, settings_of(numerics, pitch, {0, 0, -g}));
+  const double height = side * pitch, weight = materials[0].continuum->density * height * height * height * g;
+  const double stiffness = 10 * constrained_modulus(*materials[0].continuum, 1e4) * pitch;
+  const Tray tray(height, height, stiffness, 0.1);
+  const double dt = step_with_walls(infill, stiffness, 0.75);
+  ContactImpulses contact;
+  const auto step = [&](double length) {
+    tray.push(infill.particles(), length, contact);
+    infill.advance(length, 1, contact);
+  };
+  infill.set_damping(2000);
+  for (int k = 0; k < 5000; ++k) step(dt);
+  infill.set_damping(0);
+  double largest = 0;
+  for (int k = 0; k < 100; ++k) {
+    step(k % 2 == 0 ? 0.5 * dt : dt);
+    largest = std::max(largest, infill.energy().kinetic);
+  }
+  return largest / (weight * height);
+}
+
 BedResult settled_bed(const Numerics& numerics, const BedSizes& sizes) {
   const double pitch = sizes.pitch;
   const auto materials = single_material(mixture_material());

@@ -36,6 +36,10 @@ struct ColumnResult {
 /// that falls with their number. contact_stiffness: of a particle's spring, over constrained modulus x pitch.
 [[nodiscard]] double pressed_block(const Numerics& numerics, int rows, double contact_stiffness);
 
+/// A bed of 6 x 6 x 6, settled under damping, then stepped by dt and dt/2 in turn without: its largest kinetic
+/// energy over weight x height.
+[[nodiscard]] double kinetic_energy_under_changing_steps(const Numerics& numerics);
+
 struct BedSizes {
   int width = 8, rows = 8;  ///< particles
   double pitch = 0.002;     ///< m

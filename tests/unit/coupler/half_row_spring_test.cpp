@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "core/scene_reader.h"
+#include "coupler/body_contact.h"
+#include "coupler/build_simulation.h"
+
+namespace tuft::coupler {
+namespace {
+
+constexpr double radius = 1e-3;  // m
+
+Scene turf_scene() {
+  return read_scene("inputs/clegg_small.toml");
+}
+
+TEST(HalfRowSpring, IsAsStiffAsTheInfillBehindItUnderTheSameStress) {
+  const Scene scene = turf_scene();
+  constexpr double area = 4 * radius * radius;
+  for (const Material& material : scene.materials) {
+    if (!material.continuum) continue;
+    const NormalSpring spring = half_row_spring(material, scene.numerics, radius);
+    EXPECT_NEAR(spring.force(spring.end) / area / scene.numerics.contact_pressure, 1, 1e-12) << material.name;
+    for (const double share : {0.0, 0.3, 1.0}) {
+      const double overlap = share * spring.end, stress = spring.force(overlap) / area;
+      const double modulus = sph::constrained_modulus(*material.continuum, stress);
+      EXPECT_NEAR(spring.tangent(overlap) / (modulus * area / radius), 1, 1e-9) << material.name << share;
+    }
+  }
+}
+
+TEST(HalfRowSpring, IsLinearWithAContactModulus) {
+  Scene scene = turf_scene();
+  scene.materials[0].contact_modulus = 5e6;
+  const NormalSpring spring = half_row_spring(scene.materials[0], scene.numerics, radius);
+  EXPECT_DOUBLE_EQ(spring.stiffness, 5e6 * 4 * radius);
+  EXPECT_EQ(spring.stiffening, 0);
+}
+
+/// One point above a floor, with a spring that stiffens.
+class PointAboveFloor : public testing::Test {
+ protected:
+  static constexpr double mass = 1e-4;
+  void place(double height, double speed) {
+    z_ = {height};
+    vz_ = {speed};
+    contact_.search(view(), bodies_, radius, false);
+  }
+  [[nodiscard]] double stable_step(double horizon) const {
+    return contact_.stable_step(view(), bodies_, horizon, false);
+  }
+  [[nodiscard]] static double step_of(double stiffness) { return 2 * std::sqrt(mass / stiffness); }
+
+  const NormalSpring spring_{1e5, 4e3, 5e-4};
+
+ private:
+  [[nodiscard]] ParticleView view() const {
+    ParticleView view;
+    view.x = view.y = view.vx = view.vy = zero_;
+    view.z = z_, view.vz = vz_, view.radius = radius_, view.mass = mass_;
+    return view;
+  }
+
+  BodyContact contact_{{{spring_}, {0}, {{}}}};
+  std::vector<RigidBody> bodies_ = [] {
+    RigidBody floor;
+    floor.shape = HalfSpace{Vec3(0, 0, 1)};
+    return std::vector<RigidBody>{floor};
+  }();
+  std::vector<double> zero_{0}, radius_{radius}, mass_{mass}, z_{1}, vz_{0};
+};
+
+TEST_F(PointAboveFloor, BeforeTheFirstSearchMayMeetTheStiffestOfItsSpring) {
+  EXPECT_DOUBLE_EQ(stable_step(0), step_of(spring_.tangent(1)));
+}
+
+TEST_F(PointAboveFloor, ApartFromAllBodiesBoundsNoStep) {
+  place(10 * radius, -1);
+  EXPECT_EQ(stable_step(1e-5), std::numeric_limits<double>::infinity());
+}
+
+TEST_F(PointAboveFloor, BoundsTheStepByTheStiffnessItWillMeet) {
+  place(radius - 1e-4, 0);
+  EXPECT_NEAR(stable_step(1e-5) / step_of(spring_.tangent(1e-4)), 1, 1e-12);
+  place(radius - 1e-4, -10);
+  EXPECT_NEAR(stable_step(1e-5) / step_of(spring_.tangent(2e-4)), 1, 1e-12);
+  place(radius - 1e-4, 10);
+  EXPECT_NEAR(stable_step(1e-5) / step_of(spring_.tangent(1e-4)), 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace tuft::coupler
