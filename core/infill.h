@@ -5,6 +5,7 @@
 /// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k positions
 /// stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k, kicks to
 /// t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -27,7 +28,10 @@ struct ParticleView {
   /// Index into Scene::materials of what touches others (a grain of a mixture layer is sand or SBR; an SPH
   /// particle is its layer's material).
   std::span<const Index> material;
+  /// 1: has left the turf and takes no part any more (Expelled). Empty where none has.
+  std::span<const std::uint8_t> expelled;
 
+  [[nodiscard]] bool is_expelled(std::size_t i) const { return !expelled.empty() && expelled[i] != 0; }
   [[nodiscard]] std::size_t size() const { return x.size(); }
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }
@@ -50,6 +54,16 @@ struct InfillEnergy {
   double gravity_potential = 0; ///< relative to z = 0
   double damping = 0;           ///< taken out by set_damping
   double contact_work = 0;      ///< work the contact impulses did on the infill (sum of J . centred velocity)
+  double expelled = 0;          ///< kinetic energy of particles as they left the turf
+};
+
+/// Particles that have left the turf. They stay in the view, where they left, without velocity; nothing touches
+/// them, and their stored and gravity energy stays in the infill's.
+struct Expelled {
+  std::uint64_t particles = 0;
+  double mass = 0;            ///< kg
+  Vec3 momentum{0, 0, 0};     ///< kg m/s, as they left
+  double kinetic_energy = 0;  ///< J, as they left
 };
 
 /// What one window did, measured on the receiving side.
@@ -76,6 +90,7 @@ class Infill {
   /// Mass-proportional damping a = -rate v for settling, 1/s; 0 switches it off.
   virtual void set_damping(double rate) = 0;
   [[nodiscard]] virtual InfillEnergy energy() const = 0;
+  [[nodiscard]] virtual Expelled expelled() const { return {}; }
   /// Particle steps so far (particles times substeps).
   [[nodiscard]] virtual std::uint64_t particle_steps() const = 0;
 

@@ -18,12 +18,20 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
 }
 
+/// The tray and some room above it. Infill that leaves it has left the turf.
+sph::TurfBox turf_box(const Scene& scene) {
+  constexpr double margin = 0.02;  // m
+  const double x = 0.5 * scene.turf.size[0] + margin, y = 0.5 * scene.turf.size[1] + margin;
+  const double height = std::max(2 * scene.turf.tray_depth, 4 * scene.infill_depth());
+  return {Vec3(-x, -y, -margin), Vec3(x, y, height)};
+}
+
 std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
-                                  const sph::Lattice& lattice) {
+                                  const sph::Lattice& lattice, const sph::TurfBox& box) {
   const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
                                   effect_on(effects, "tension_cutoff"),
                                   effect_on(effects, "zero_energy_control"),
-                                  scene.numerics.sleep_tolerance, sph::soil_effects_of(effects)};
+                                  scene.numerics.sleep_tolerance, sph::soil_effects_of(effects), box};
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 
@@ -33,11 +41,8 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
   settings.options = scene.infill.dem;
   settings.gravity = gravity;
   settings.rolling_resistance = effect_on(effects, "rolling_resistance");
-  const double x = 0.5 * scene.turf.size[0], y = 0.5 * scene.turf.size[1];
-  // Room for grains that are thrown up; one that leaves it has left the turf.
-  const double height = std::max(2 * scene.turf.tray_depth, 4 * scene.infill_depth());
-  const double margin = 0.02;
-  settings.box = {Vec3(-x - margin, -y - margin, -margin), Vec3(x + margin, y + margin, height)};
+  const sph::TurfBox box = turf_box(scene);
+  settings.box = {box.low, box.high};
   return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
 }
 
@@ -158,7 +163,8 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   if (scene.infill.approach == Approach::sph) {
     const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
     parts.infill =
-        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch));
+        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch),
+                  turf_box(scene));
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
     parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
@@ -220,7 +226,7 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
   const Scene& scene = *request.scene;
   const sph::Lattice& lattice = *request.lattice;
   SimulationParts parts;
-  parts.infill = build_sph(scene, request.effects, lattice);
+  parts.infill = build_sph(scene, request.effects, lattice, {});
   parts.carpet =
       std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
   parts.bodies = request.bodies;

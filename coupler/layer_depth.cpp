@@ -27,7 +27,7 @@ std::vector<double> layer_tops(const ParticleView& particles, std::array<double,
     const auto ny = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(size[1] / side));
     std::vector<double> highest(static_cast<std::size_t>(nx * ny), nothing);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      if (particles.layer[i] > static_cast<Index>(layer)) continue;
+      if (particles.layer[i] > static_cast<Index>(layer) || particles.is_expelled(i)) continue;
       const auto cx =
           static_cast<std::ptrdiff_t>(std::floor((particles.x[i] / size[0] + 0.5) * static_cast<double>(nx)));
       const auto cy =

@@ -75,6 +75,7 @@ void ParticleShellContact::search(const ParticleView& particles, const fe::NodeV
       const Vec3 reach = Vec3::Constant(thin + largest_radius);
       grid.for_each_in_box(low - reach, high + reach, [&](Index p) {
         const double touching = particles.radius[p] * settings_.radius_factor + thin;
+        if (particles.is_expelled(static_cast<std::size_t>(p))) return;
         if (closest_point_on_facet(particles.position(p), corner).distance_squared < touching * touching)
           mine.push_back({make_key(p, mesh_.surface[e]), static_cast<Index>(e)});
       });

@@ -166,6 +166,10 @@ void Simulation::advance_window() {
     const ScopedPhase phase(timers_, Phase::infill);
     report = advance_infill();
   }
+  if (const std::uint64_t expelled = parts_.infill->expelled().particles; expelled != expelled_) {
+    expelled_ = expelled;
+    reference_.valid = false;  // contact forgets them at the next search
+  }
   Vec3 bodies(0, 0, 0);
   double bodies_scale = 0;
   advance_bodies(bodies, bodies_scale);
@@ -347,7 +351,7 @@ void Simulation::remember_reference() {
 
 void Simulation::search(const ParticleView& particles, const fe::NodeView& nodes) {
   particle_shell_.search(particles, nodes, parts_.skin, parts_.release_overlap);
-  particle_body_.search(particles, parts_.bodies, parts_.skin, parts_.release_overlap);
+  particle_body_.search(particles, parts_.bodies, parts_.skin, parts_.release_overlap, particles.expelled);
   node_body_.search(node_points(nodes), parts_.bodies, parts_.skin, parts_.release_overlap, nodes.clamped);
   ++searches_;
 }
@@ -371,7 +375,7 @@ double Simulation::carpet_balance() const {
 
 double Simulation::infill_balance() const {
   const InfillEnergy e = parts_.infill->energy();
-  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping - e.contact_work;
+  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled - e.contact_work;
 }
 
 Simulation::Residuals Simulation::residuals() const {
@@ -398,6 +402,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.contact_friction = contact.friction;
   terms.gravity_potential += infill.gravity_potential + body_potential_;
   terms.damping += infill.damping + body_damping_;
+  terms.expelled = infill.expelled;
   // Between the parts contact is no work from outside; what it has released is.
   terms.external_work = external_work_ + contact.released;
   return terms;

@@ -134,6 +134,7 @@ class Simulation {
     bool valid = false;
   } reference_;
 
+  std::uint64_t expelled_ = 0;  ///< particles of the infill that contact knows to have left
   std::size_t eroded_ = 0;  ///< elements of the carpet that contact knows to have failed
   bool carpet_frozen_ = false;
   Vec3 infill_acceleration_{0, 0, 0};

@@ -36,6 +36,7 @@ double highest(const ParticleView& points, double x, double y, double reach, boo
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double r = points.radius[i];
+    if (points.is_expelled(i)) continue;
     if (std::hypot(points.x[i] - x, points.y[i] - y) > reach + (with_radius ? r : 0)) continue;
     top = std::max(top, points.z[i] + r);
   }
@@ -156,6 +157,7 @@ void Simulation::load(const h5::Group& group) {
   }
   parts_.carpet->load(group.open_group("carpet"));
   parts_.infill->load(group.open_group("infill"));
+  expelled_ = parts_.infill->expelled().particles;
   particle_shell_.load(group.open_group("particle_shell"));
   eroded_ = parts_.carpet->eroded_count();
   if (eroded_ > 0) particle_shell_.leave_out(parts_.carpet->eroded());

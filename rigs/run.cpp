@@ -257,6 +257,12 @@ void Runner::measure() {
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
   if (!simulation.carpet().eroded().empty())
     notes["eroded_shells"] = {static_cast<double>(simulation.carpet().eroded_count()), "1"};
+  if (const Expelled expelled = infill.expelled(); expelled.particles > 0) {
+    notes["expelled_particles"] = {static_cast<double>(expelled.particles), "1"};
+    notes["expelled_mass"] = {expelled.mass, "kg"};
+    notes["expelled_momentum_z"] = {expelled.momentum.z(), "kg m/s"};
+    notes["expelled_kinetic_energy"] = {expelled.kinetic_energy, "J"};
+  }
   notes["contact_searches"] = {static_cast<double>(simulation.searches()), "1"};
   notes["contact_pairs_particle_shell"] = {static_cast<double>(simulation.particle_shell().pair_count()),
                                            "1"};

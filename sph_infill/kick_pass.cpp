@@ -2,6 +2,7 @@
 #include <array>
 
 #include "sph_infill/particle_packs.h"
+#include "sph_infill/sph_infill.h"
 
 namespace tuft::sph {
 namespace {
@@ -277,13 +278,14 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
   return sum;
 }
 
-DriftCheck drift(double dt, const Vec3& frame, Particles& p, std::vector<DriftCheck>& blocks,
-                 const Sleep* sleep) {
-  if (sleep) std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true});
+DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep) {
+  if (sleep)
+    std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true, false});
   for_blocks(p.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
     const Vec3Array& v = p.velocity;
-    double largest = 0, finite = 0, sum_x = 0, sum_y = 0, sum_z = 0;
-#pragma omp simd reduction(max : largest) reduction(+ : finite, sum_x, sum_y, sum_z)
+    double largest = 0, finite = 0, sum_x = 0, sum_y = 0, sum_z = 0, beyond = 0;
+#pragma omp simd reduction(max : largest, beyond) reduction(+ : finite, sum_x, sum_y, sum_z)
     for (std::size_t i = begin; i < end; ++i) {
       p.position.x[i] += dt * v.x[i];
       p.position.y[i] += dt * v.y[i];
@@ -292,17 +294,21 @@ DriftCheck drift(double dt, const Vec3& frame, Particles& p, std::vector<DriftCh
       const double speed_squared = ux * ux + uy * uy + uz * uz;
       largest = std::max(largest, speed_squared);
       sum_x += v.x[i], sum_y += v.y[i], sum_z += v.z[i];
+      beyond = std::max(beyond, std::max(box.low.x() - p.position.x[i], p.position.x[i] - box.high.x()));
+      beyond = std::max(beyond, std::max(box.low.y() - p.position.y[i], p.position.y[i] - box.high.y()));
+      beyond = std::max(beyond, std::max(box.low.z() - p.position.z[i], p.position.z[i] - box.high.z()));
       // 0 unless a velocity or a position is not finite.
       finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
     for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
-    blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0};
+    blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
   });
   DriftCheck check;
   for (const DriftCheck& block : blocks) {
     check.largest_speed_squared = std::max(check.largest_speed_squared, block.largest_speed_squared);
     check.velocity_sum += block.velocity_sum;
     check.valid = check.valid && block.valid;
+    check.outside = check.outside || block.outside;
   }
   return check;
 }

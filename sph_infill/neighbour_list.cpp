@@ -110,10 +110,12 @@ void NeighbourList::sort_into_cells(const Vec3Array& positions) {
     const auto c = cell_of(positions.x[i], positions.y[i], positions.z[i]);
     return (c[0] * cells_[1] + c[1]) * cells_[2] + c[2];
   };
-  for (std::size_t i = 0; i < n; ++i) ++begin[index_of(i) + 1];
+  for (std::size_t i = 0; i < n; ++i)
+    if (!is_left_out(i)) ++begin[index_of(i) + 1];
   for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
   cell_particle_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) cell_particle_[begin[index_of(i)]++] = static_cast<Index>(i);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!is_left_out(i)) cell_particle_[begin[index_of(i)]++] = static_cast<Index>(i);
   // Filling has moved each start to the next cell's.
   for (std::size_t c = begin.size() - 1; c > 0; --c) begin[c] = begin[c - 1];
   begin[0] = 0;
@@ -179,7 +181,8 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
       next[l] += lanes * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
     }
   }
-  for (std::size_t l = 0; l < lanes; ++l) scratch.length[l] = l < count ? next[l] / lanes : 0;
+  for (std::size_t l = 0; l < lanes; ++l) 
+    scratch.length[l] = l < count && !is_left_out(begin + l) ? next[l] / lanes : 0;
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < lanes; ++l)
     for (std::size_t k = scratch.length[l]; k < longest; ++k)

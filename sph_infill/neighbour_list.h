@@ -42,6 +42,11 @@ class NeighbourList {
   std::span<const Index> complete(const Vec3Array& positions, std::span<const Index> blocks);
   [[nodiscard]] bool is_complete(std::size_t block) const { return blocks_[block].made == begun_; }
   void make_out_of_date(std::size_t block) { blocks_[block].made = begun_ - 1; }
+  /// From the next build on the particle, one of `count`, has no neighbours and is none.
+  void leave_out(Index particle, std::size_t count) {
+    left_out_.resize(count, 0);
+    left_out_[static_cast<std::size_t>(particle)] = 1;
+  }
 
   /// While no particle has moved farther than half the skin since the last build, by whatever frame common to
   /// all, no pair within the support is missed.
@@ -77,7 +82,10 @@ class NeighbourList {
   std::array<std::size_t, 3> cells_{1, 1, 1};
   std::vector<std::uint32_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
   std::vector<Index> cell_particle_;
-  std::uint32_t begun_ = 0;  ///< calls of `begin`
+  [[nodiscard]] bool is_left_out(std::size_t i) const { return !left_out_.empty() && left_out_[i] != 0; }
+
+  std::vector<std::uint8_t> left_out_;  ///< by particle; empty: none is
+  std::uint32_t begun_ = 0;             ///< calls of `begin`
   std::vector<Block> blocks_;
   std::vector<Index> to_make_;  ///< scratch of `complete`
 };

@@ -36,6 +36,12 @@ void visit_numbers(ImplType& m, Visit&& visit) {
   visit("energy_gravity", m.energy.gravity_potential);
   visit("energy_damping", m.energy.damping);
   visit("energy_contact", m.energy.contact_work);
+  visit("energy_expelled", m.energy.expelled);
+  visit("expelled_mass", m.expelled.mass);
+  visit("expelled_momentum_x", m.expelled.momentum.x());
+  visit("expelled_momentum_y", m.expelled.momentum.y());
+  visit("expelled_momentum_z", m.expelled.momentum.z());
+  visit("expelled_kinetic_energy", m.expelled.kinetic_energy);
   visit("pending_viscous", m.pending.viscous);
   visit("pending_damping", m.pending.damping);
   visit("pending_contact", m.pending.contact);
@@ -72,6 +78,7 @@ void SphInfill::save(h5::Group& group) {
               [&](const char* name, const std::vector<double>& values) { group.write(name, values); });
   visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
+  group.write("expelled", std::vector<double>(m.expelled_index.begin(), m.expelled_index.end()));
   if (m.sleep.enabled()) m.save_sleep(group);
 }
 
@@ -115,6 +122,11 @@ void SphInfill::load(const h5::Group& group) {
   visit_numbers(m, [&](const char* name, double& value) { value = group.read_double(name); });
   m.particle_steps = group.read_count("particle_steps");
   m.particles.record_motion();
+  m.expelled.particles = 0;
+  for (const double index : group.read_doubles("expelled")) {
+    m.take_out(static_cast<Index>(index));
+    ++m.expelled.particles;
+  }
   m.list.build(m.particles.position);
   if (m.sleep.enabled()) m.load_sleep(group);
 }

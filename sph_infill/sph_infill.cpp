@@ -1,6 +1,8 @@
 #include "sph_infill/sph_infill.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "sph_infill/sph_infill_impl.h"
@@ -57,6 +59,7 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   m.settings.step_limit =
       make_step_limit(settings.options, settings.artificial_viscosity, settings.zero_energy_control);
   m.gravity = settings.gravity;
+  m.box = settings.box;
 
   Particles& p = m.particles;
   const std::size_t n = lattice.position.size();
@@ -98,8 +101,9 @@ SphInfill::~SphInfill() = default;
 
 ParticleView SphInfill::particles() const {
   const Particles& p = impl_->particles;
-  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, {},
-          {},           {},           p.radius,     p.mass,       p.layer,      p.material};
+  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z,         {},
+          {},           {},           p.radius,     p.mass,       p.layer,      p.material,
+          impl_->expelled_mask};
 }
 
 double SphInfill::stable_step() const {
@@ -108,6 +112,10 @@ double SphInfill::stable_step() const {
 
 InfillEnergy SphInfill::energy() const {
   return impl_->energy;
+}
+
+Expelled SphInfill::expelled() const {
+  return impl_->expelled;
 }
 
 std::uint64_t SphInfill::particle_steps() const {
@@ -169,7 +177,9 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping);
   record_energy(stress, kicked);
 
-  const DriftCheck moved = drift(dt, frame, particles, drift_blocks, sleeping);
+  // What has been expelled stays where it left.
+  for (const Index i : expelled_index) particles.velocity.set(static_cast<std::size_t>(i), Vec3::Zero());
+  const DriftCheck moved = drift(dt, frame, box, particles, drift_blocks, sleeping);
   if (!moved.valid) report_invalid_motion();
   displacement += dt * std::sqrt(moved.largest_speed_squared);
   frame = moved.velocity_sum / static_cast<double>(particles.size());
@@ -177,6 +187,7 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   step_before = dt;
   particle_steps += sleep.computed_particles();
   if (sleeping) sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; });
+  if (moved.outside) expel(dt);
   return kicked;
 }
 
@@ -194,6 +205,37 @@ void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& ki
   account(energy.dissipated, pending.holding, kicked.holding);
   account(energy.damping, pending.damping, kicked.damping);
   account(energy.contact_work, pending.contact, kicked.contact);
+}
+
+void SphInfill::Impl::expel(double dt) {
+  Particles& p = particles;
+  for (std::size_t b = 0; b < drift_blocks.size(); ++b) {
+    if (!drift_blocks[b].outside) continue;
+    for (std::size_t i = b * block_size; i < std::min(p.size(), (b + 1) * block_size); ++i) {
+      const Vec3 x = p.position[i], v = p.velocity[i];
+      if ((x.array() >= box.low.array() && x.array() <= box.high.array()).all()) continue;
+      if (!expelled_mask.empty() && expelled_mask[i] != 0) continue;
+      // As KickSums counts it: of the velocities half a step before and, falling freely, half a step after.
+      const double kinetic = 0.5 * p.mass[i] * v.dot(v + dt * gravity);
+      ++expelled.particles;
+      expelled.mass += p.mass[i];
+      expelled.momentum += p.mass[i] * v;
+      expelled.kinetic_energy += kinetic;
+      energy.expelled += kinetic;
+      take_out(static_cast<Index>(i));
+    }
+  }
+}
+
+void SphInfill::Impl::take_out(Index particle) {
+  const auto i = static_cast<std::size_t>(particle);
+  if (expelled_mask.empty()) expelled_mask.assign(particles.size(), 0);
+  expelled_mask[i] = 1;
+  expelled_index.push_back(particle);
+  particles.velocity.set(i, Vec3::Zero());
+  particles.record_motion(i);
+  list.leave_out(particle, particles.size());
+  displacement = std::numeric_limits<double>::infinity();  // the list is to be built anew
 }
 
 void SphInfill::Impl::note_neighbours() {

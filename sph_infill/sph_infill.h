@@ -1,5 +1,6 @@
 #pragma once
 /// Infill as a continuum: smoothed particle hydrodynamics with a soil-and-foam law.
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct Lattice {
 /// a pitch.
 [[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
 
+/// Where infill belongs to the turf. What leaves it is expelled.
+struct TurfBox {
+  Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());  ///< m
+  Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());  ///< m
+};
+
 struct SphSettings {
   SphOptions options;         ///< smoothing_length resolved (> 0)
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
@@ -37,6 +44,7 @@ struct SphSettings {
   bool zero_energy_control = false;
   double sleep_tolerance = 0;  ///< strain, see sleep.h; 0: nothing sleeps
   SoilEffects soil_effects;
+  TurfBox box;
 };
 
 /// Those of the soil law among the effects of a run.
@@ -65,6 +73,9 @@ class SphInfill final : public Infill {
   /// its forces (sph_loops.h, KickSums). Stored is the stress work less plastic work, dissipated plastic work
   /// and viscosity.
   [[nodiscard]] InfillEnergy energy() const override;
+  /// A particle is expelled by the step that takes it out of the box: its momentum and kinetic energy leave the
+  /// books of the infill and enter these.
+  [[nodiscard]] Expelled expelled() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;
   void load(const h5::Group& group) override;

@@ -12,6 +12,7 @@ struct SphInfill::Impl {
   Particles particles;
   NeighbourList list;
   Sleep sleep;
+  TurfBox box;
 
   double time = 0;         ///< s, t_k of the positions
   double step_before = 0;  ///< s, drift that led to t_k; 0 at the start of a run
@@ -26,6 +27,9 @@ struct SphInfill::Impl {
   struct {
     double viscous = 0, damping = 0, contact = 0, holding = 0;
   } pending;
+  Expelled expelled;
+  std::vector<Index> expelled_index;           ///< in the order in which they left
+  std::vector<std::uint8_t> expelled_mask;     ///< by particle; empty: none
   std::vector<StressSums> stress_blocks;
   std::vector<KickSums> kick_blocks;
   std::vector<DriftCheck> drift_blocks;
@@ -36,6 +40,9 @@ struct SphInfill::Impl {
   void record_energy(const StressSums& stress, const KickSums& kicked);
   /// After the whole list was built.
   void note_neighbours();
+  /// Takes out of the turf what the drift has moved out of the box. dt: of that drift.
+  void expel(double dt);
+  void take_out(Index particle);
   /// Makes the neighbours of all that will be computed known, and chooses what that is.
   void prepare(const Vec3Array* impulse, double window);
   [[noreturn]] void report_invalid_stress() const;

@@ -125,11 +125,14 @@ struct DriftCheck {
   double largest_speed_squared = 0;  ///< (m/s)^2, relative to the frame
   Vec3 velocity_sum{0, 0, 0};        ///< m/s, over all particles
   bool valid = true;                 ///< all positions and velocities finite
+  bool outside = false;              ///< a position is not within the box
 };
 
+struct TurfBox;
+
 /// Moves positions by dt and renews the records of motion. frame: m/s, speeds are measured relative to it.
-DriftCheck drift(double dt, const Vec3& frame, Particles& particles, std::vector<DriftCheck>& blocks,
-                 const Sleep* sleep = nullptr);
+DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& particles,
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep = nullptr);
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {

@@ -142,7 +142,7 @@ std::vector<Channel> channels_of(std::size_t particles, std::size_t nodes, bool 
   for (const char* term :
        {"kinetic_carpet", "kinetic_infill", "kinetic_bodies", "strain_carpet", "hourglass", "eroded",
         "stored_infill", "dissipated_infill", "contact_elastic", "contact_damping", "contact_friction",
-        "gravity_potential", "damping", "external_work"})
+        "gravity_potential", "damping", "expelled", "external_work"})
     channels.push_back({std::string("/energy/") + term, "J", {}, false});
   channels.push_back({"/energy/error", "1", {}, false});
   if (sph) channels.push_back({"/frames/infill/pressure", "Pa", {particles}, true});
@@ -175,6 +175,7 @@ void append_history(RecordFile& file, const FakeRun& run, const Pulse& pulse) {
     file.append("/energy/contact_friction", 0.06 * given);
     file.append("/energy/gravity_potential", 0.3 - pulse.mass * gravity * (t < 0 ? 0 : pulse.penetration(t)));
     file.append("/energy/damping", t < 0 ? 1e-3 * (t + settling) : 1e-3 * settling);
+    file.append("/energy/expelled", 0.0);
     file.append("/energy/external_work", t < 0 ? 0 : start_energy);
     file.append("/energy/error", 0.004 * given / start_energy);
     file.append("/cost/time", t);
