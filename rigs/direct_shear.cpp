@@ -82,29 +82,6 @@ ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain)
   return results;
 }
 
-std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal,
-                                                std::span<const double> shear) {
-  const auto n = static_cast<double>(normal.size());
-  double mean_normal = 0, mean_shear = 0, nn = 0, ns = 0;
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    mean_normal += normal[i] / n;
-    mean_shear += shear[i] / n;
-  }
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    nn += (normal[i] - mean_normal) * (normal[i] - mean_normal);
-    ns += (normal[i] - mean_normal) * (shear[i] - mean_shear);
-  }
-  if (normal.size() < 2 || !(nn > 0)) return std::nullopt;
-  MohrCoulombLine line;
-  const double slope = ns / nn;
-  line.friction_angle = std::atan(slope);
-  line.cohesion = mean_shear - slope * mean_normal;
-  for (std::size_t i = 0; i < normal.size(); ++i)
-    line.largest_misfit =
-        std::max(line.largest_misfit, std::abs(shear[i] - line.cohesion - slope * normal[i]));
-  return line;
-}
-
 DirectShear::DirectShear(const Scene& scene)
     : rig_(scene.rig.specimen),
       material_(scene.materials.at(static_cast<std::size_t>(scene.rig.specimen.material))),

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "core/mohr_coulomb_line.h"
 #include "rigs/specimen_test.h"
 
 namespace tuft::rigs {
@@ -40,16 +41,6 @@ inline constexpr double yield_window = 0.005;
 
 /// Pure evaluation of the rows of one test, in order of time.
 [[nodiscard]] ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain);
-
-/// tau = cohesion + sigma tan(friction_angle), by least squares.
-struct MohrCoulombLine {
-  double cohesion = 0;        ///< Pa
-  double friction_angle = 0;  ///< rad
-  double largest_misfit = 0;  ///< Pa, of any point
-};
-/// Of at least two points with different normal stresses; empty otherwise.
-[[nodiscard]] std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal,
-                                                              std::span<const double> shear);
 
 class DirectShear final : public SpecimenTest {
  public:
