@@ -176,7 +176,12 @@ void check_point_test(const PointTest& test, const Places& places) {
 
 }  // namespace
 
-PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides) {
+bool is_point_test(const std::filesystem::path& file) {
+  return schema::parse_toml(read_text_file(file), file.string()).contains("point");
+}
+
+PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides,
+                          const MaterialTexts& texts) {
   PointTest test;
   test.file = file.string();
   toml::table input = schema::parse_toml(read_text_file(file), test.file);
@@ -186,6 +191,7 @@ PointTest read_point_test(const std::filesystem::path& file, const Overrides& ov
   document.of_scene = false;
   document.overridden = apply_overrides(input, overrides);
   materials.set_overridden(document.overridden);
+  materials.set_texts(texts);
   schema::TomlReader::read(document, input, "", "", true, [&](schema::KeyVisitor& keys) {
     dynamic_cast<schema::TomlReader&>(keys).know(materials_key);
     schema::describe_point_test(keys, test);

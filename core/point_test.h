@@ -81,7 +81,12 @@ struct PointTest {
 
 /// Reads a test and the material it names, as scenes are read. Throws InputError, one line: file:line, key,
 /// value, what to do.
-[[nodiscard]] PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides = {});
+[[nodiscard]] PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides = {},
+                                        const MaterialTexts& texts = {});
+
+/// Whether a file is a test of a point (it has a table [point]) and not a scene. Throws InputError when it
+/// cannot be read.
+[[nodiscard]] bool is_point_test(const std::filesystem::path& file);
 
 /// The effects of the soil law as decided for a test.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const PointTest& test);

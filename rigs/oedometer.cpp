@@ -243,6 +243,52 @@ void Oedometer::add_results(std::map<std::string, Quantity>& results,
   }
 }
 
+std::map<std::string, Quantity> Oedometer::result_names() const {
+  std::map<std::string, Quantity> names;
+  for (const double preload : rig_.preloads) {
+    const std::string prefix = fmt::format("preload_{:g}_", preload);
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle) {
+      const std::string of = fmt::format("{}cycle_{}_", prefix, cycle);
+      for (const char* modulus : {"loading_modulus", "unloading_modulus"}) names[of + modulus] = {0, "Pa"};
+      for (const char* share : {"loss", "strain_at_preload", "residual_strain"}) names[of + share] = {0, "1"};
+    }
+    names[prefix + "modulus_100_to_600_kpa"] = {0, "Pa"};
+    names[prefix + "unloading_over_loading"] = {0, "1"};
+  }
+  return names;
+}
+
+std::vector<SpecimenCurve> Oedometer::curve_names() const {
+  std::vector<SpecimenCurve> curves;
+  for (const double preload : rig_.preloads)
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle)
+      for (const char* branch : {"loading", "unloading"})
+        curves.push_back({fmt::format("preload_{:g}_cycle_{}_{}", preload, cycle, branch),
+                          "1",
+                          "Pa",
+                          "compression",
+                          "axial stress",
+                          {},
+                          {}});
+  return curves;
+}
+
+std::vector<SpecimenCurve> Oedometer::curves() const {
+  std::vector<SpecimenCurve> curves = curve_names();
+  auto curve = curves.begin();
+  for (std::size_t test = 0; test < tests(); ++test)
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle)
+      for (const double direction : {1.0, -1.0}) {
+        for (const OedometerRow& row : rows_[test]) {
+          if (row.cycle != cycle || row.direction != direction) continue;
+          curve->x.push_back(row.strain);
+          curve->y.push_back(row.stress);
+        }
+        ++curve;
+      }
+  return curves;
+}
+
 void Oedometer::save(h5::Group& group) const {
   save_rows(group, rows_);
   const std::vector<double> state{height_before_, speed_, static_cast<double>(cycle_), loading_ ? 1.0 : 0.0};

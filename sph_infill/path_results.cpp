@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 namespace tuft::sph {
@@ -98,6 +97,33 @@ std::vector<PathResult> end_results(const PointTest& test, const PathRow& row) {
           {end + "bulk_modulus", "Pa", row.state.bulk_modulus}};
 }
 
+/// What an experimenter draws of a segment.
+struct Axes {
+  double (*x)(const PathRow&);
+  double (*y)(const PathRow&);
+  const char *x_label, *y_label;
+};
+
+Axes axes_of(PathKind kind) {
+  switch (kind) {
+    case PathKind::isotropic:
+      return {[](const PathRow& r) { return r.state.compression; },
+              [](const PathRow& r) { return r.state.pressure; }, "compression ln(ρ/ρ0)", "pressure"};
+    case PathKind::oedometric:
+      return {compression_of_height, [](const PathRow& r) { return -r.stress().zz; }, "compression",
+              "axial stress"};
+    case PathKind::triaxial:
+      return {[](const PathRow& r) { return -r.strain.zz; }, [](const PathRow& r) { return r.q(); },
+              "axial strain, logarithmic", "q"};
+    case PathKind::direct_shear:
+      return {[](const PathRow& r) { return 2 * r.strain.zx; },
+              [](const PathRow& r) { return r.state.deviator.zx; }, "shear strain", "shear stress"};
+    default:
+      return {[](const PathRow& r) { return 2 * r.strain.xy; },
+              [](const PathRow& r) { return r.state.deviator.xy; }, "shear strain", "shear stress"};
+  }
+}
+
 }  // namespace
 
 std::vector<BranchPoint> axial_branch(const PathRecord& record, std::size_t segment) {
@@ -162,36 +188,30 @@ std::vector<PathResult> path_result_names(const PointTest& test) {
   return names;
 }
 
-std::vector<PathCurve> path_curves(const PointTest& test, const PathRecord& record) {
-  using Value = std::function<double(const PathRow&)>;
-  const Value pressure = [](const PathRow&r) { return r.state.pressure; },
-              axial = [](const PathRow&r) { return -r.stress().zz; },
-              q = [](const PathRow&r) { return r.q(); },
-              shear = [&](const PathRow&r) { return shear_stress(test, r); },
-              compression = [](const PathRow&r) { return r.state.compression; },
-              of_height = compression_of_height, along_z = [](const PathRow&r) { return -r.strain.zz; },
-              sheared_xy = [](const PathRow&r) { return 2 * r.strain.xy; },
-              sheared_zx = [](const PathRow&r) { return 2 * r.strain.zx; };
-  std::vector<PathCurve> curves;
+std::vector<PathCurve> path_curve_names(const PointTest& test) {
+  std::vector<PathCurve> names;
   for (std::size_t k = 1; k <= test.segments.size(); ++k) {
-    const Rows rows = rows_of(record, k);
     const PathKind kind = test.segments[k - 1].kind;
-    if (!rows.there || kind == PathKind::velocity_gradient) continue;
-    const Value& x = kind == PathKind::isotropic      ? compression
-                     : kind == PathKind::oedometric   ? of_height
-                     : kind == PathKind::triaxial     ? along_z
-                     : kind == PathKind::direct_shear ? sheared_zx
-                                                      : sheared_xy;
-    const Value& y = kind == PathKind::isotropic    ? pressure
-                     : kind == PathKind::oedometric ? axial
-                     : kind == PathKind::triaxial   ? q
-                                                    : shear;
-    PathCurve curve{fmt::format("segment_{}_stress", k), "1", "Pa", {}, {}};
-    for (std::size_t r = rows.first; r <= rows.last; ++r) {
-      curve.x.push_back(x(record.rows[r]));
-      curve.y.push_back(y(record.rows[r]));
+    if (kind == PathKind::velocity_gradient) continue;
+    const Axes axes = axes_of(kind);
+    names.push_back({fmt::format("segment_{}_stress", k), "1", "Pa", axes.x_label, axes.y_label, {}, {}});
+  }
+  return names;
+}
+
+std::vector<PathCurve> path_curves(const PointTest& test, const PathRecord& record) {
+  std::vector<PathCurve> curves = path_curve_names(test);
+  auto curve = curves.begin();
+  for (std::size_t k = 1; k <= test.segments.size(); ++k) {
+    const PathKind kind = test.segments[k - 1].kind;
+    if (kind == PathKind::velocity_gradient) continue;
+    const Axes axes = axes_of(kind);
+    const Rows rows = rows_of(record, k);
+    for (std::size_t r = rows.first; rows.there && r <= rows.last; ++r) {
+      curve->x.push_back(axes.x(record.rows[r]));
+      curve->y.push_back(axes.y(record.rows[r]));
     }
-    curves.push_back(std::move(curve));
+    ++curve;
   }
   return curves;
 }

@@ -21,6 +21,7 @@ struct PathResult {
 struct PathCurve {
   std::string name;
   std::string x_unit, y_unit;
+  std::string x_label, y_label;  ///< in words
   std::vector<double> x, y;
 };
 
@@ -46,5 +47,8 @@ struct PathCurve {
 /// compression over the height as placed (oedometric), q against logarithmic strain along z (triaxial), shear
 /// stress against shear strain. Of a velocity_gradient none.
 [[nodiscard]] std::vector<PathCurve> path_curves(const PointTest& test, const PathRecord& record);
+
+/// Names and units of the curves of a test, without points.
+[[nodiscard]] std::vector<PathCurve> path_curve_names(const PointTest& test);
 
 }  // namespace tuft::sph
