@@ -185,10 +185,11 @@ std::string curves_section(const Problem& problem, const CalibrationResult& resu
 /// The combination that the targets see least, in words.
 std::string weakest_text(const Problem& problem, const Identifiability& found) {
   std::string parts;
+  const std::vector<std::string> names = short_names(problem);
   for (Eigen::Index i = 0; i < found.weakest.size(); ++i) {
     if (std::abs(found.weakest[i]) < 0.1) continue;
     parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", format_significant(found.weakest[i], 2),
-                         problem.parameters[static_cast<std::size_t>(i)].name());
+                         names[static_cast<std::size_t>(i)]);
   }
   if (!std::isfinite(found.weakest_change))
     return fmt::format("The targets do not see a change of the parameters in the proportions {}: there the start "
@@ -202,12 +203,12 @@ std::string weakest_text(const Problem& problem, const Identifiability& found) {
 
 std::vector<std::string> parameter_names(const Problem& problem, const std::string& first) {
   std::vector<std::string> names{first};
-  for (const Parameter& p : problem.parameters) names.push_back(escape_html(p.name()));
+  for (const std::string& name : short_names(problem)) names.push_back(escape_html(name));
   return names;
 }
 
 std::string sensitivity_table(const Problem& problem, const Identifiability& found) {
-  HtmlTable table{"sensitivity-table", "Change of each target, in tolerances, over the whole range of a parameter",
+  HtmlTable table{"sensitivity-table", "",
                   parameter_names(problem, "Target"), {}, false};
   Eigen::Index row = 0;
   for (const Target& target : problem.targets) {
@@ -221,22 +222,22 @@ std::string sensitivity_table(const Problem& problem, const Identifiability& fou
     table.rows.push_back(std::move(cells));
     row += rows;
   }
-  return table.html();
+  return "<h3>Change of each target, in tolerances, over the whole range of a parameter</h3>\n" + table.html();
 }
 
 std::string correlation_table(const Problem& problem, const Identifiability& found) {
-  HtmlTable table{"correlation-table",
-                  found.determined ? "Correlation of the parameters under targets known to one tolerance"
-                                   : "Correlation of the parameters under such targets and the regularisation",
-                  parameter_names(problem, ""), {}, false};
+  HtmlTable table{"correlation-table", "", parameter_names(problem, ""), {}, false};
+  const std::vector<std::string> names = short_names(problem);
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
-    std::vector<std::string> cells{escape_html(problem.parameters[i].name())};
+    std::vector<std::string> cells{escape_html(names[i])};
     for (std::size_t j = 0; j < problem.parameters.size(); ++j)
       cells.push_back(fmt::format(
           "{:.2f}", found.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j))));
     table.rows.push_back(std::move(cells));
   }
-  return table.html();
+  const char* title = found.determined ? "Correlation of the parameters under targets known to one tolerance"
+                                       : "Correlation under such targets and the regularisation";
+  return fmt::format("<h3>{}</h3>\n", title) + table.html();
 }
 
 std::string identifiability_section(const Problem& problem, const CalibrationResult& result) {
@@ -264,7 +265,7 @@ std::string cost_section(const Problem& problem, const CalibrationResult& result
                           format_duration(result.seconds_per_model[m])});
   return html_section(
       "cost", "Cost",
-      table.html() + fmt::format("<p class=\"note\">{} evaluations, {} of them taken from an earlier run into this "
+      table.html() + fmt::format("<p class=\"note\">{} evaluations, {} of them there from an earlier run into this "
                                  "folder; {} in all now.</p>\n",
                                  format_count(result.evaluations), format_count(result.reused),
                                  format_duration(result.wall_seconds)));

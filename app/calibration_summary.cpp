@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -125,6 +126,17 @@ std::string measured(const Target& target, const TargetOutcome& outcome) {
 std::string parameter_text(const Parameter& parameter, double value, int digits) {
   return parameter.unit == "1" ? format_significant(value, digits)
                                : format_quantity(value, parameter.unit, digits);
+}
+
+std::vector<std::string> short_names(const Problem& problem) {
+  std::vector<std::string> names;
+  for (const Parameter& p : problem.parameters) names.push_back(p.key.substr(p.key.rfind('.') + 1));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::count(names.begin(), names.end(), names[i]) > 1) {
+      for (std::size_t k = 0; k < names.size(); ++k) names[k] = problem.parameters[k].name();
+      break;
+    }
+  return names;
 }
 
 std::string bound_text(const CalibrationResult& result, std::size_t parameter) {

@@ -25,6 +25,8 @@ namespace tuft::app {
 [[nodiscard]] std::string measured(const studies::Target& target, const studies::TargetOutcome& outcome);
 /// A parameter's value with its unit.
 [[nodiscard]] std::string parameter_text(const studies::Parameter& parameter, double value, int digits = 4);
+/// Names of the parameters, as short as tells them apart: the last part of their keys, or all of it.
+[[nodiscard]] std::vector<std::string> short_names(const studies::Problem& problem);
 /// "at its lower bound", or nothing.
 [[nodiscard]] std::string bound_text(const studies::CalibrationResult& result, std::size_t parameter);
 

@@ -55,8 +55,8 @@ enum class OptimiserAlgorithm { bobyqa, sbplx, cobyla, crs2, direct_l };
 
 struct OptimiserChoice {
   OptimiserAlgorithm algorithm = OptimiserAlgorithm::bobyqa;
-  int max_evaluations = 500;
-  double tolerance = 1e-4;        ///< of parameters scaled to [0, 1]
+  int max_evaluations = 1000;
+  double tolerance = 1e-5;        ///< of parameters scaled to [0, 1]
   double initial_step = 0.1;      ///< of them
   double global_share = 0.5;      ///< of the evaluations, for the global part of crs2 and direct_l
   std::uint64_t seed = 1;         ///< of crs2
@@ -66,7 +66,7 @@ struct OptimiserChoice {
 struct CalibrationFile {
   std::string file;  ///< as given by the user, for messages
   std::string name;
-  double regularisation = 1e-3;  ///< >= 0, weight of the squared distance from the start, scaled to [0, 1]
+  double regularisation = 0.03;  ///< >= 0, weight of the squared distance from the start, scaled to [0, 1]
   OptimiserChoice optimiser;
   std::vector<CalibrationParameter> parameters;
   std::vector<CalibrationModelEntry> models;

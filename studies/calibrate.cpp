@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/error.h"
 #include "studies/optimiser.h"
@@ -28,7 +29,8 @@ class Calibration {
   CalibrationResult run() {
     const auto start = Clock::now();
     attempt();
-    result_.evaluations = evaluations_;
+    result_.evaluations = request_.log->rows();
+    result_.reused = request_.log->found_before();
     for (const double sum : model_seconds_)
       result_.seconds_per_model.push_back(runs_ > 0 ? sum / static_cast<double>(runs_) : 0);
     result_.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -42,7 +44,6 @@ class Calibration {
     const auto first = take("start", {values_of(problem_.start())}, true, true);
     if (first.empty()) throw_run_error("stopped before the start was evaluated; nothing is written");
     best_ = result_.start = result_.fitted = first.front();
-    note_search(first.front());
     const SearchEnd end = minimise(problem_.file.optimiser, problem_.start(),
                                    [this](const Point& x) { return misfit_at(x); });
     result_.end_reason = end.reason;
@@ -85,10 +86,7 @@ class Calibration {
         found[i] = std::move(fresh[next++]);
         count_run(found[i]);
         if (!in_table) request_.log->add(stage, found[i]);
-      } else if (evaluations_ < request_.log->found_before()) {
-        ++result_.reused;
       }
-      ++evaluations_;
       count_failure(found[i]);
     }
     return found;
@@ -101,7 +99,7 @@ class Calibration {
   }
 
   void count_failure(const Evaluation& evaluation) {
-    if (!evaluation.failed) return;
+    if (!evaluation.failed || !failed_.insert(evaluation.values).second) return;
     ++result_.failed;
     if (std::ranges::find(result_.errors, evaluation.error) == result_.errors.end())
       result_.errors.push_back(evaluation.error);
@@ -193,7 +191,8 @@ class Calibration {
   CalibrationResult result_;
   Evaluation best_;
   std::vector<double> model_seconds_;
-  std::size_t evaluations_ = 0, runs_ = 0;
+  std::set<Point> failed_;
+  std::size_t runs_ = 0;
   bool stopped_ = false;
 };
 

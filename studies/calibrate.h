@@ -25,8 +25,8 @@ struct CalibrationResult {
   Evaluation start, fitted;
   std::vector<bool> at_lower, at_upper;  ///< by parameter: the fit lies at its bound, to the search's tolerance
   std::vector<SearchPoint> search;
-  std::size_t evaluations = 0;  ///< of all stages
-  std::size_t reused = 0;       ///< of these, taken from an earlier run's table
+  std::size_t evaluations = 0;  ///< of all stages, each set of parameters once
+  std::size_t reused = 0;       ///< of these, in the table before
   std::size_t failed = 0;
   std::vector<std::string> errors;        ///< of failed evaluations, each once
   std::vector<double> seconds_per_model;  ///< mean of those run now

@@ -11,7 +11,6 @@ namespace tuft::studies {
 namespace {
 
 constexpr double worth_going_on = 1e-3;  // of the misfit, that a local search must gain to be begun anew
-constexpr double shorter_step = 0.1;
 
 nlopt::algorithm algorithm_of(OptimiserAlgorithm algorithm) {
   switch (algorithm) {
@@ -47,13 +46,11 @@ class Search {
     }
     const OptimiserAlgorithm local =
         is_global(choice_.algorithm) ? OptimiserAlgorithm::bobyqa : choice_.algorithm;
-    double step = choice_.initial_step;
-    while (!stopped_ && left > 0) {
-      const double before = least_;
-      search(local, left, step);
+    double before = std::numeric_limits<double>::infinity();
+    while (!stopped_ && left > 0 && (count_ == 0 || before - least_ > worth_going_on * least_)) {
+      before = least_;
+      search(local, left, choice_.initial_step);
       left = choice_.max_evaluations - count_;
-      step *= shorter_step;
-      if (!(before - least_ > worth_going_on * before) || step < 10 * choice_.tolerance) break;
     }
     if (left <= 0) reason_ = fmt::format("{} evaluations", choice_.max_evaluations);
     return {stopped_, stopped_ ? "stopped" : reason_};
