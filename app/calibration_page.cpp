@@ -58,7 +58,7 @@ std::string targets_section(const Problem& problem, const CalibrationResult& res
                   {"Target", "Wanted", "Start", "Fit", "", "Misfit at start", "of fit", "Weight"},
                   {},
                   false};
-  HtmlTable sources{"provenance-table", "", {"Target", "Where it comes from"}, {}, true};
+  HtmlTable sources{"sources-table", "", {"Target", "Where it comes from"}, {}, true};
   for (std::size_t t = 0; t < problem.targets.size(); ++t) {
     const Target& target = problem.targets[t];
     const auto &start = result.start.targets[t], &fitted = result.fitted.targets[t];

@@ -119,7 +119,9 @@ std::string wanted(const Target& target) {
 
 std::string measured(const Target& target, const TargetOutcome& outcome) {
   if (!outcome.measured) return "not reached";
-  if (target.form == TargetForm::curve) return fmt::format("off by up to {}", format_percent(outcome.value));
+  if (target.form == TargetForm::curve)
+    return fmt::format("off by up to {}{}", format_percent(outcome.value),
+                       outcome.beyond ? ", beyond the model's end" : "");
   return format_quantity(outcome.value, target.unit);
 }
 

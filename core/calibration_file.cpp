@@ -114,7 +114,7 @@ void check_form(const CalibrationTarget& target, const std::string& path, const 
     places.fail(path + ".tolerance", "is for a number; a curve has its own, a range has none");
   if (!target.range.empty() && target.range.size() != 2)
     places.fail(path + ".range", fmt::format("two values are needed, not {}", target.range.size()));
-  if (target.range.empty() && target.margin != 0) places.fail(path + ".margin", "is for a range");
+  if (target.range.empty() && places.has(path + ".margin")) places.fail(path + ".margin", "is for a range");
 }
 
 void check_curve(const TargetCurve& curve, const std::string& path, const Places& places) {

@@ -45,7 +45,9 @@ struct CalibrationTarget {
   std::string quantity;  ///< a result of the model, or one of its curves
   Given number, tolerance;
   std::vector<Given> range;  ///< two
-  double margin = 0;         ///< [0, 0.5), share of the range that the fit keeps from each of its ends
+  /// [0, 0.5), share of the range that the fit keeps from each of its ends: the regularisation draws a fit to
+  /// where the misfit begins, and a little beyond.
+  double margin = 0.02;
   std::optional<TargetCurve> curve;
   double weight = 1;       ///< > 0
   std::string provenance;  ///< "literature: ...", see provenance_words

@@ -7,7 +7,8 @@
 namespace tuft::studies {
 namespace {
 
-constexpr double beyond_ends = 0.01;  // of a curve's width in x
+constexpr double little_beyond = 0.01, too_far_beyond = 1;  // of a curve's width in x
+constexpr std::size_t end_share = 20;                       // 1 / share of the points that give an end's slope
 
 double largest_size(std::span<const double> values) {
   double most = 0;
@@ -21,7 +22,8 @@ void judge_curve(const Target& target, const ModelCurve& curve, TargetOutcome& o
   for (std::size_t i = 0; i < target.x.size(); ++i) {
     const auto y = value_at(curve, target.x[i]);
     if (!y) return;
-    const double deviation = (*y - target.y[i]) / size;
+    const double deviation = (y->y - target.y[i]) / size;
+    outcome.beyond = outcome.beyond || y->beyond > little_beyond;
     outcome.value = std::max(outcome.value, std::abs(deviation));
     outcome.residuals.push_back(share * deviation / target.tolerance);
   }
@@ -41,18 +43,24 @@ double range_residual(double value, double low, double high, double margin) {
   return 0;
 }
 
-std::optional<double> value_at(const ModelCurve& curve, double x) {
-  if (curve.x.size() < 2) return std::nullopt;
-  for (std::size_t i = 1; i < curve.x.size(); ++i) {
+std::optional<CurveValue> value_at(const ModelCurve& curve, double x) {
+  const std::size_t count = curve.x.size();
+  if (count < 2) return std::nullopt;
+  for (std::size_t i = 1; i < count; ++i) {
     const double a = curve.x[i - 1], b = curve.x[i];
     if (a == b || x < std::min(a, b) || x > std::max(a, b)) continue;
-    return curve.y[i - 1] + (curve.y[i] - curve.y[i - 1]) * (x - a) / (b - a);
+    return CurveValue{curve.y[i - 1] + (curve.y[i] - curve.y[i - 1]) * (x - a) / (b - a), 0};
   }
-  const auto [low, high] = std::ranges::minmax_element(curve.x);
-  const double room = beyond_ends * (*high - *low);
-  if (x < *low - room || x > *high + room) return std::nullopt;
-  const auto nearest = x < *low ? low : high;
-  return curve.y[static_cast<std::size_t>(nearest - curve.x.begin())];
+  const auto [low, high] = std::ranges::minmax(curve.x);
+  const double width = high - low, beyond = std::max(low - x, x - high) / width;
+  if (!(beyond <= too_far_beyond)) return std::nullopt;
+  // From the end of the list that is nearer, over some of its points.
+  const bool at_front = std::abs(x - curve.x.front()) < std::abs(x - curve.x.back());
+  const std::size_t reach = std::max<std::size_t>(1, count / end_share), end = at_front ? 0 : count - 1,
+                    inner = at_front ? reach : count - 1 - reach;
+  if (curve.x[end] == curve.x[inner]) return std::nullopt;
+  const double slope = (curve.y[end] - curve.y[inner]) / (curve.x[end] - curve.x[inner]);
+  return CurveValue{curve.y[end] + slope * (x - curve.x[end]), beyond};
 }
 
 TargetOutcome judge(const Target& target, const ModelOutcome& outcome, double failure_misfit) {
@@ -85,7 +93,7 @@ bool is_inside(const Target& target, const TargetOutcome& outcome) {
     case TargetForm::range:
       return outcome.value >= target.low && outcome.value <= target.high;
     default:
-      return outcome.value <= target.tolerance;
+      return outcome.value <= target.tolerance && !outcome.beyond;
   }
 }
 

@@ -90,8 +90,10 @@ class Search {
   double value(std::vector<double> x) {
     // BOBYQA may leave the box by rounding.
     for (double& each : x) each = std::clamp(each, 0.0, 1.0);
-    const std::optional<double> value = objective_(x);
-    if (!value) throw nlopt::forced_stop();
+    // Some algorithms ask on for a while after they were told to stop.
+    const std::optional<double> value = stopped_ ? std::nullopt : objective_(x);
+    stopped_ = !value.has_value();
+    if (stopped_) throw nlopt::forced_stop();
     ++count_;
     if (*value < least_) {
       least_ = *value;
