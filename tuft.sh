@@ -16,6 +16,7 @@ packages=(
   libudunits2-dev libudunits2-data                   # units
   libhdf5-dev                                        # results
   libzmq3-dev cppzmq-dev                             # the wire to the DEM host
+  libnlopt-cxx-dev                                   # calibration
   libliggghts-dev libopenmpi-dev                     # the DEM host
   libgtest-dev libgmock-dev libbenchmark-dev                  # tests and benchmarks
 )

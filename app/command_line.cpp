@@ -142,6 +142,7 @@ int run_command_line(int count, const char* const* arguments) {
   register_carpet(program, action);
   register_compare(program, action);
   register_point(program, action);
+  register_calibrate(program, action);
   register_report(program, action);
   register_show(program, action);
   try {

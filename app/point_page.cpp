@@ -10,6 +10,7 @@
 #include "app/number_format.h"
 #include "app/report_sections.h"
 #include "app/svg_plot.h"
+#include "sph_infill/path_results.h"
 
 namespace tuft::app {
 namespace {
@@ -17,8 +18,8 @@ namespace {
 using sph::PathRow;
 using Value = std::function<double(const PathRow&)>;
 
-constexpr std::string_view kind_words[] = {"isotropic",    "oedometric", "triaxial",
-                                           "simple shear", "pure shear", "velocity gradient"};
+constexpr std::string_view kind_words[] = {"isotropic",  "oedometric",   "triaxial",         "simple shear",
+                                           "pure shear", "direct shear", "velocity gradient"};
 
 const PathRow& last_row(const PointRun& run) {
   return run.record.rows.back();
@@ -31,12 +32,13 @@ Plot plot_of_path(const PointRun& run, const std::string& id, const std::string&
   const auto& rows = run.record.rows;
   for (std::size_t k = 1; k < rows.size(); ++k) {
     if (plot.series.empty() || rows[k].segment != rows[k - 1].segment) {
-      const PathKind kind = run.test.segments[rows[k].segment - 1].kind;
+      const PathSegment& segment = run.test.segments[rows[k].segment - 1];
+      const PathRow& start = rows[segment.fresh && rows[k].segment > 1 ? k : k - 1];
       plot.series.push_back(
-          {fmt::format("{} {}", rows[k].segment, kind_words[static_cast<std::size_t>(kind)]),
+          {fmt::format("{} {}", rows[k].segment, kind_words[static_cast<std::size_t>(segment.kind)]),
            fmt::format("c{}", (rows[k].segment - 1) % 6),
-           {x(rows[k - 1])},
-           {y(rows[k - 1])},
+           {x(start)},
+           {y(start)},
            false,
            false});
     }
@@ -93,8 +95,12 @@ Plot stress_path_plot(const PointRun& run) {
   return plot;
 }
 
+bool is_direct(const PointRun& run, const PathRow& row) {
+  return row.segment > 0 && run.test.segments[row.segment - 1].kind == PathKind::direct_shear;
+}
+
 bool has_shear(const PointRun& run) {
-  return largest(run, [](const PathRow& r) { return std::abs(r.strain.xy); }) > 0;
+  return largest(run, [](const PathRow& r) { return std::abs(r.strain.xy) + std::abs(r.strain.zx); }) > 0;
 }
 
 std::string curves(const PointRun& run) {
@@ -105,9 +111,9 @@ std::string curves(const PointRun& run) {
       [](const PathRow& r) { return -1e-3 * r.stress().zz; }));
   if (has_shear(run))
     text += svg_plot(plot_of_path(
-        run, "curve-shear", "shear strain [%]", "shear stress xy [kPa]",
-        [](const PathRow& r) { return 200 * r.strain.xy; },
-        [](const PathRow& r) { return 1e-3 * r.state.deviator.xy; }));
+        run, "curve-shear", "shear strain [%]", "shear stress [kPa]",
+        [&](const PathRow& r) { return 200 * (is_direct(run, r) ? r.strain.zx : r.strain.xy); },
+        [&](const PathRow& r) { return 1e-3 * sph::shear_stress(run.test, r); }));
   return html_section(
       "curves", "Paths",
       text +
@@ -154,6 +160,21 @@ std::string energy_curves(const PointRun& run) {
   return html_section("energy", "Energy", svg_plot(plot) + "<p class=\"note\">" + note + "</p>\n");
 }
 
+std::string measures_table(const PointRun& run) {
+  if (run.test.measures.empty()) return "";
+  HtmlTable table{"measures-table", "", {"Measure", ""}, {}, false};
+  const auto results = sph::path_results(run.test, run.record);
+  for (const PointMeasure& measure : run.test.measures) {
+    const auto found = std::find_if(results.begin(), results.end(), [&](const sph::PathResult& result) {
+      return result.name == measure.name;
+    });
+    table.rows.push_back({escape_html(measure.name), found == results.end()
+                                                         ? "not reached"
+                                                         : format_quantity(found->value, found->unit)});
+  }
+  return table.html();
+}
+
 std::string segments_table(const PointRun& run) {
   HtmlTable table{"segments-table",
                   "",
@@ -175,13 +196,13 @@ std::string segments_table(const PointRun& run) {
       if (segment.stress) end = format_quantity(*segment.stress, "Pa");
       if (segment.duration) end = format_quantity(*segment.duration, "s");
     }
-    table.rows.push_back({name, end, format_percent(r.state.compression),
-                          format_quantity(r.state.pressure, "Pa"), format_quantity(r.q(), "Pa"),
-                          format_quantity(-r.stress().zz, "Pa"), format_quantity(r.state.deviator.xy, "Pa"),
-                          format_quantity(r.state.bulk_modulus, "Pa"),
-                          format_quantity(std::sqrt(3.0) * r.yield, "Pa")});
+    table.rows.push_back(
+        {name, end, format_percent(r.state.compression), format_quantity(r.state.pressure, "Pa"),
+         format_quantity(r.q(), "Pa"), format_quantity(-r.stress().zz, "Pa"),
+         format_quantity(sph::shear_stress(run.test, r), "Pa"), format_quantity(r.state.bulk_modulus, "Pa"),
+         format_quantity(std::sqrt(3.0) * r.yield, "Pa")});
   }
-  return html_section("results", "Ends of the segments", table.html());
+  return html_section("results", "Ends of the segments", table.html() + measures_table(run));
 }
 
 std::string effects_table(const PointRun& run) {

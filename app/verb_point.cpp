@@ -11,7 +11,7 @@
 #include "app/verbs.h"
 #include "core/error.h"
 #include "rigs/run_folder.h"
-#include "sph_infill/sph_infill.h"
+#include "sph_infill/path_results.h"
 
 namespace tuft::app {
 namespace {
@@ -71,27 +71,8 @@ std::string csv_of(const sph::PathRecord& record) {
 
 nlohmann::json summary_of(const PointRun& run) {
   nlohmann::json results = nlohmann::json::object(), effects = nlohmann::json::object();
-  const auto add = [&](const std::string& name, double value, const char* unit) {
-    results[name] = {{"value", value}, {"unit", unit}};
-  };
-  const auto& rows = run.record.rows;
-  double pressure = 0, q = 0;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    pressure = std::max(pressure, rows[k].state.pressure);
-    q = std::max(q, rows[k].q());
-    if (rows[k].segment == 0 || (k + 1 < rows.size() && rows[k + 1].segment == rows[k].segment)) continue;
-    const std::string end = fmt::format("segment_{}_", rows[k].segment);
-    add(end + "compression", rows[k].state.compression, "1");
-    add(end + "pressure", rows[k].state.pressure, "Pa");
-    add(end + "q", rows[k].q(), "Pa");
-    add(end + "axial_stress", -rows[k].stress().zz, "Pa");
-    add(end + "shear_stress", rows[k].state.deviator.xy, "Pa");
-    add(end + "bulk_modulus", rows[k].state.bulk_modulus, "Pa");
-  }
-  add("largest_pressure", pressure, "Pa");
-  add("largest_q", q, "Pa");
-  add("work", rows.back().work, "J/m^3");
-  add("dissipated", rows.back().dissipated, "J/m^3");
+  for (const sph::PathResult& result : sph::path_results(run.test, run.record))
+    results[result.name] = {{"value", result.value}, {"unit", result.unit}};
   for (const EffectDecision& effect : run.effects)
     effects[effect.name] = {{"on", effect.on}, {"why", effect.why}};
   return {{"status", run.error.empty() ? "completed" : "failed"},
@@ -115,6 +96,16 @@ void prepare_folder(const fs::path& out) {
     throw_input_error("{}: cannot be made ({}); choose another --out", out.string(), error.message());
 }
 
+/// The measures that the test names; empty where it names none.
+std::string measures_table(const PointRun& run) {
+  if (run.test.measures.empty()) return "";
+  TextTable table({"measure", "value"});
+  for (const sph::PathResult& result : sph::path_results(run.test, run.record))
+    for (const PointMeasure& measure : run.test.measures)
+      if (measure.name == result.name) table.add({result.name, format_quantity(result.value, result.unit)});
+  return table.text();
+}
+
 std::string ends_table(const PointRun& run) {
   TextTable table({"segment", "compression", "pressure", "q", "stress along z", "shear stress"});
   const auto& rows = run.record.rows;
@@ -123,28 +114,16 @@ std::string ends_table(const PointRun& run) {
     const sph::PathRow& r = rows[k];
     table.add({r.segment == 0 ? "start" : fmt::format("{}", r.segment), format_percent(r.state.compression),
                format_quantity(r.state.pressure, "Pa"), format_quantity(r.q(), "Pa"),
-               format_quantity(-r.stress().zz, "Pa"), format_quantity(r.state.deviator.xy, "Pa")});
+               format_quantity(-r.stress().zz, "Pa"), format_quantity(sph::shear_stress(run.test, r), "Pa")});
   }
   return table.text();
-}
-
-sph::SoilLaw law_of(const PointTest& test, const std::vector<EffectDecision>& effects) {
-  const Material& material = test.tested();
-  try {
-    const sph::SoilLaw law = sph::make_soil_law(*material.continuum, effect_on(effects, "tension_cutoff"),
-                                                sph::soil_effects_of(effects));
-    (void)sph::compacted_state(law, test.residual_compression);
-    return law;
-  } catch (const InputError& error) {
-    throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
-  }
 }
 
 int point(const PointArguments& arguments) {
   PointRun run;
   run.test = read_point_test(arguments.file, parse_settings(arguments.settings));
   run.effects = decide_effects(run.test);
-  run.law = law_of(run.test, run.effects);
+  run.law = sph::law_of(run.test, run.effects);
   const fs::path out = arguments.out.empty() ? fs::path("out") / run.test.name : fs::path(arguments.out);
   prepare_folder(out);
   rigs::write_text_file(out / "point.toml", write_point_test(run.test));
@@ -160,7 +139,7 @@ int point(const PointArguments& arguments) {
   rigs::write_text_file(out / "summary.json", summary_of(run).dump(2) + "\n");
   rigs::write_text_file(out / "report.html", point_page(run));
   if (!run.error.empty()) throw RunError(run.error);
-  fmt::print("{}report: {}\n", ends_table(run), (out / "report.html").string());
+  fmt::print("{}{}report: {}\n", ends_table(run), measures_table(run), (out / "report.html").string());
   return 0;
 }
 

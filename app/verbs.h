@@ -10,6 +10,7 @@ void register_check(CLI::App& program, Action& action);
 void register_explain(CLI::App& program, Action& action);
 void register_carpet(CLI::App& program, Action& action);
 void register_compare(CLI::App& program, Action& action);
+void register_calibrate(CLI::App& program, Action& action);
 void register_point(CLI::App& program, Action& action);
 void register_report(CLI::App& program, Action& action);
 void register_show(CLI::App& program, Action& action);

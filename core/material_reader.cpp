@@ -46,10 +46,15 @@ Index MaterialReader::material(const std::string& name, const Place& place) {
   material.name = name;
   const toml::table* own = input_[materials_key][name].as_table();
   const bool complete = own != nullptr && own->contains(origin_key);
-  const auto file = complete ? std::nullopt : folders_.find("materials", name);
-  if (!file && own == nullptr) fail_unknown_file(folders_, "materials", name, place);
-  if (file) read_file(*file, name, material);
-  if (own != nullptr) read_own(*own, name, !file.has_value(), material);
+  const auto text = texts_.find(name);
+  if (text != texts_.end() && complete)
+    places_.fail(path_of_material(name), "is given whole in this file, so no other can be tried in its place; "
+                                         "give a scene or test that names the material");
+  const auto file = complete || text != texts_.end() ? std::nullopt : folders_.find("materials", name);
+  if (!file && text == texts_.end() && own == nullptr) fail_unknown_file(folders_, "materials", name, place);
+  if (text != texts_.end()) read_file(text->second.file, text->second.text, name, material);
+  if (file) read_file(file->string(), read_text_file(*file), name, material);
+  if (own != nullptr) read_own(*own, name, !file && text == texts_.end(), material);
   if (material.name != name)
     places_.fail(path_of_material(name) + ".material.name",
                  fmt::format("must be \"{}\", as the file or table is called", name));
@@ -58,10 +63,10 @@ Index MaterialReader::material(const std::string& name, const Place& place) {
   return static_cast<Index>(index);
 }
 
-void MaterialReader::read_file(const std::filesystem::path& file, const std::string& name,
+void MaterialReader::read_file(const std::string& file, const std::string& text, const std::string& name,
                                Material& material) {
-  Document document = document_for(file.string());
-  const toml::table table = schema::parse_toml(read_text_file(file), document.file);
+  Document document = document_for(file);
+  const toml::table table = schema::parse_toml(text, file);
   material.file = document.file;
   TomlReader::read(document, table, "", path_of_material(name), true,
                    [&material](KeyVisitor& keys) { schema::describe_material(keys, material); });

@@ -26,6 +26,8 @@ class MaterialReader {
 
   /// Keys that --set gave, for messages.
   void set_overridden(std::vector<std::string> keys) { overridden_ = std::move(keys); }
+  /// Texts that stand in for files of materials.
+  void set_texts(const MaterialTexts& texts) { texts_ = texts; }
   /// A document of the same input, or of a file that it names.
   [[nodiscard]] schema::Document document_for(const std::string& file);
   /// Index of a material, read when it is first named.
@@ -35,7 +37,8 @@ class MaterialReader {
   [[nodiscard]] const InputFolders& folders() const { return folders_; }
 
  private:
-  void read_file(const std::filesystem::path& file, const std::string& name, Material& material);
+  void read_file(const std::string& file, const std::string& text, const std::string& name,
+                 Material& material);
   void read_own(const toml::table& own, const std::string& name, bool complete, Material& material);
 
   std::string file_;
@@ -44,6 +47,7 @@ class MaterialReader {
   Places& places_;
   std::vector<Material>& materials_;
   std::vector<std::string> overridden_;
+  MaterialTexts texts_;
 };
 
 }  // namespace tuft

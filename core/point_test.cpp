@@ -12,14 +12,18 @@ namespace tuft {
 namespace schema {
 namespace {
 
-constexpr std::string_view path_kinds[] = {"isotropic",    "oedometric", "triaxial",
-                                           "simple_shear", "pure_shear", "velocity_gradient"};
+constexpr std::string_view path_kinds[] = {"isotropic",  "oedometric",   "triaxial",         "simple_shear",
+                                           "pure_shear", "direct_shear", "velocity_gradient"};
+constexpr std::string_view measure_kinds[] = {"modulus", "loss", "unloading_over_loading", "friction_angle",
+                                              "cohesion"};
 
 void describe_segment(KeyVisitor& keys, PathSegment& segment) {
-  keys.enumeration({"path",
-                    "isotropic; oedometric: along z alone; triaxial: along z under kept stresses x and y; "
-                    "simple_shear: with its rotation; pure_shear: without; velocity_gradient: as given"},
-                   segment.kind, path_kinds);
+  keys.enumeration(
+      {"path",
+       "isotropic; oedometric: along z alone; triaxial: along z under kept stresses x and y; "
+       "simple_shear: with its rotation; pure_shear: without; direct_shear: x against z under kept "
+       "stress along z; velocity_gradient: as given"},
+      segment.kind, path_kinds);
   keys.optional_number(
       {"strain",
        "ends at this change of strain: of volume (isotropic), along z, or of shear; compression "
@@ -36,6 +40,23 @@ void describe_segment(KeyVisitor& keys, PathSegment& segment) {
                         "velocity_gradient: dv_x/dx, dv_x/dy, ... by rows, extension "
                         "positive"},
                        segment.velocity_gradient, "Hz", any);
+  keys.flag({"fresh", "begins with a fresh point, as the test did"}, segment.fresh);
+}
+
+void describe_measure(KeyVisitor& keys, PointMeasure& measure) {
+  keys.text(required("name", "of the result"), measure.name);
+  keys.enumeration(
+      {"kind",
+       "modulus: secant of an oedometric segment; loss: share of its work that release does not give back; "
+       "unloading_over_loading: of their moduli between 10 % and 90 % of the largest stress; friction_angle, "
+       "cohesion: of the line through the ends of all direct_shear segments"},
+      measure.kind, measure_kinds);
+  keys.integer({"segment", "the segment, from 1; not of a line"}, measure.segment,
+               {0, unbounded, false, false});
+  keys.integer({"release", "loss, unloading_over_loading: the segment that releases it"}, measure.release,
+               {0, unbounded, false, false});
+  if (keys.wants({"between", ""}, !measure.between.empty()))
+    keys.quantity_list({"between", "modulus: two stresses along z"}, measure.between, "Pa", non_negative);
 }
 
 }  // namespace
@@ -61,6 +82,7 @@ void describe_point_test(KeyVisitor& keys, PointTest& test) {
                }
              });
   keys.list<PathSegment>(required("segments", "the path, in order"), test.segments, describe_segment);
+  keys.list<PointMeasure>({"measures", "results of names of one's own"}, test.measures, describe_measure);
 }
 
 }  // namespace schema
@@ -96,12 +118,56 @@ void check_segment(const PathSegment& segment, const std::string& path, const Pl
   if (segment.strain && *segment.strain == 0) places.fail(path + ".strain", "must not be 0");
 }
 
+/// A segment that a measure names: there, and oedometric.
+void check_named_segment(const PointTest& test, int number, const std::string& path, const Places& places) {
+  if (number < 1 || number > static_cast<int>(test.segments.size()))
+    places.fail(path, fmt::format("names a segment, from 1 to {}", test.segments.size()));
+  if (test.segments[static_cast<std::size_t>(number - 1)].kind != PathKind::oedometric)
+    places.fail(path, fmt::format("segment {} is not oedometric, which is what this measures", number));
+}
+
+void check_measure(const PointTest& test, std::size_t index, const Places& places) {
+  const PointMeasure& measure = test.measures[index];
+  const std::string path = fmt::format("measures.{}", index);
+  for (std::size_t i = 0; i < index; ++i)
+    if (test.measures[i].name == measure.name) places.fail(path + ".name", "given twice; choose another");
+  if (measure.name.empty()) places.fail(path + ".name", "is empty");
+  static constexpr std::string_view taken[] = {"largest_pressure", "largest_q", "work", "dissipated"};
+  if (measure.name.starts_with("segment_") || std::ranges::find(taken, measure.name) != std::end(taken))
+    places.fail(path + ".name", "is the name of a result that every test has; choose another");
+  const bool of_line = measure.kind == MeasureKind::friction_angle || measure.kind == MeasureKind::cohesion;
+  const bool of_modulus = measure.kind == MeasureKind::modulus;
+  if (of_line) {
+    const auto sheared =
+        std::count_if(test.segments.begin(), test.segments.end(),
+                      [](const PathSegment& segment) { return segment.kind == PathKind::direct_shear; });
+    if (sheared < 2)
+      places.fail(path + ".kind",
+                  fmt::format("needs two direct_shear segments or more; the test has {}", sheared));
+  } else {
+    check_named_segment(test, measure.segment, path + ".segment", places);
+  }
+  if (!of_line && !of_modulus) {
+    check_named_segment(test, measure.release, path + ".release", places);
+    if (measure.release != measure.segment + 1)
+      places.fail(path + ".release", "must be the segment that follows the one it releases");
+  }
+  if (of_line && measure.segment != 0)
+    places.fail(path + ".segment", "is not for a line, which takes all direct_shear segments; leave it out");
+  if ((of_line || of_modulus) && measure.release != 0)
+    places.fail(path + ".release", "is for loss and unloading_over_loading; leave it out");
+  if (of_modulus && (measure.between.size() != 2 || !(measure.between[0] < measure.between[1])))
+    places.fail(path + ".between", "two stresses are needed, the smaller first: [\"100 kPa\", \"600 kPa\"]");
+  if (!of_modulus && !measure.between.empty()) places.fail(path + ".between", "is for modulus; leave it out");
+}
+
 void check_point_test(const PointTest& test, const Places& places) {
   if (!test.tested().continuum)
     places.fail("point.material",
                 fmt::format("has no [continuum] in {}, which is what a point tests", test.tested().file));
   for (std::size_t i = 0; i < test.segments.size(); ++i)
     check_segment(test.segments[i], fmt::format("segments.{}", i), places);
+  for (std::size_t i = 0; i < test.measures.size(); ++i) check_measure(test, i, places);
   if (const auto idle = idle_effect(scene_of(test)))
     places.fail("effects." + idle->name,
                 fmt::format("switched on, but has nothing to act on: {}; change that, or leave this \"auto\"",
@@ -110,7 +176,12 @@ void check_point_test(const PointTest& test, const Places& places) {
 
 }  // namespace
 
-PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides) {
+bool is_point_test(const std::filesystem::path& file) {
+  return schema::parse_toml(read_text_file(file), file.string()).contains("point");
+}
+
+PointTest read_point_test(const std::filesystem::path& file, const Overrides& overrides,
+                          const MaterialTexts& texts) {
   PointTest test;
   test.file = file.string();
   toml::table input = schema::parse_toml(read_text_file(file), test.file);
@@ -120,6 +191,7 @@ PointTest read_point_test(const std::filesystem::path& file, const Overrides& ov
   document.of_scene = false;
   document.overridden = apply_overrides(input, overrides);
   materials.set_overridden(document.overridden);
+  materials.set_texts(texts);
   schema::TomlReader::read(document, input, "", "", true, [&](schema::KeyVisitor& keys) {
     dynamic_cast<schema::TomlReader&>(keys).know(materials_key);
     schema::describe_point_test(keys, test);

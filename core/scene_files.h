@@ -1,12 +1,20 @@
 #pragma once
 /// Finding and reading the files that a scene names.
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tuft {
+
+/// A text that stands in for the file of a material: what a calibration tries.
+struct MaterialText {
+  std::string file;  ///< for messages
+  std::string text;
+};
+using MaterialTexts = std::map<std::string, MaterialText>;  ///< by name of the material
 
 /// Whole text of a file. Throws InputError with the system's words.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);

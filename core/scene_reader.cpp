@@ -22,12 +22,14 @@ using schema::TomlReader;
 /// Reads one scene: its own text, and the files it names as they come up.
 class SceneAssembly {
  public:
-  SceneAssembly(const std::string& text, const std::string& name, const Overrides& overrides)
+  SceneAssembly(const std::string& text, const std::string& name, const Overrides& overrides,
+                const MaterialTexts& texts = {})
       : toml_(schema::parse_toml(text, name)), materials_(name, toml_, places_, scene_.materials) {
     scene_.file = name;
     document_ = materials_.document_for(name);
     document_.overridden = apply_overrides(toml_, overrides);
     materials_.set_overridden(document_.overridden);
+    materials_.set_texts(texts);
   }
 
   Scene assemble() {
@@ -108,8 +110,8 @@ class SceneAssembly {
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& file, const Overrides& overrides) {
-  return SceneAssembly(read_text_file(file), file.string(), overrides).assemble();
+Scene read_scene(const std::filesystem::path& file, const Overrides& overrides, const MaterialTexts& texts) {
+  return SceneAssembly(read_text_file(file), file.string(), overrides, texts).assemble();
 }
 
 Scene read_scene_text(const std::string& text, const std::string& name, const Overrides& overrides) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/scene.h"
+#include "core/scene_files.h"
 
 namespace tuft {
 
@@ -14,8 +15,10 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 /// Reads a scene and everything it names (turf design, materials: looked for beside the scene, in its folders
 /// `turfs/` and `materials/`, then in the same folders of the program's inputs). Throws InputError, one line:
-/// file:line, key, the value, what to do.
-[[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Overrides& overrides = {});
+/// file:line, key, the value, what to do. Where `texts` has a material that the scene names, its text is read in place
+/// of the file.
+[[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Overrides& overrides = {},
+                               const MaterialTexts& texts = {});
 /// The same from text, for resolved scenes inside result files; `name` stands for the file in messages.
 [[nodiscard]] Scene read_scene_text(const std::string& text, const std::string& name, const Overrides& overrides = {});
 

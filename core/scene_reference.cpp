@@ -49,6 +49,12 @@ class ReferenceVisitor final : public KeyVisitor {
   void numbers_by_name(const Key& key, std::map<std::string, double>&, const Range& range) override {
     add(key, "", "{ }", range.in_words());
   }
+  void given(const Key& key, Given&, std::string_view wanted) override {
+    add(key, "", "", std::string(wanted));
+  }
+  void given_list(const Key& key, std::vector<Given>&, std::string_view wanted) override {
+    add(key, "", "", std::string(wanted));
+  }
   void material(const Key& key, Index&) override { add(key, "", "", "a material"); }
   void materials(const Key& key, std::array<Index, 2>&) override { add(key, "", "", "two materials"); }
   void table(const Key& key, const Visit& visit) override {
@@ -101,6 +107,14 @@ std::vector<Row> point_rows() {
   return rows;
 }
 
+std::vector<Row> calibration_rows() {
+  std::vector<Row> rows;
+  CalibrationFile calibration;
+  ReferenceVisitor visitor(rows, "");
+  describe_calibration(visitor, calibration);
+  return rows;
+}
+
 std::string table_of(const std::vector<Row>& rows) {
   std::string text = "| key | unit | default | range | meaning |\n|---|---|---|---|---|\n";
   for (const Row& row : rows)
@@ -136,7 +150,8 @@ std::string scene_reference() {
          "\n## Material (`materials/NAME.toml`, or a table `[materials.NAME]` in the scene)\n\n" +
          schema::table_of(schema::material_rows()) +
          "\n## Test of a material point (`tuft point`)\n\nMaterials as in a scene.\n\n" +
-         schema::table_of(schema::point_rows());
+         schema::table_of(schema::point_rows()) +
+         "\n## Calibration (`tuft calibrate`)\n\n" + schema::table_of(schema::calibration_rows());
 }
 
 }  // namespace tuft

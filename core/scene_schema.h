@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/calibration_file.h"
+#include "core/given_value.h"
 #include "core/point_test.h"
 #include "core/scene.h"
 
@@ -78,6 +80,10 @@ class KeyVisitor {
                              const Range& range) = 0;
   virtual void curve(const Key& key, Curve& curve, const CurveAxes& axes) = 0;
   virtual void numbers_by_name(const Key& key, std::map<std::string, double>& values, const Range& range) = 0;
+  /// A value whose unit is known only after reading; `wanted` says in words what it is.
+  virtual void given(const Key& key, Given& value, std::string_view wanted) = 0;
+  /// One or more of them.
+  virtual void given_list(const Key& key, std::vector<Given>& values, std::string_view wanted) = 0;
   /// A material, by name in files and by index in structs.
   virtual void material(const Key& key, Index& index) = 0;
   virtual void materials(const Key& key, std::array<Index, 2>& indices) = 0;
@@ -144,6 +150,8 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind);
 void describe_output(KeyVisitor& keys, Output& output);
 /// Everything of a point test but its materials.
 void describe_point_test(KeyVisitor& keys, PointTest& test);
+
+void describe_calibration(KeyVisitor& keys, CalibrationFile& calibration);
 
 /// Every key of a scene, in full ("infill.sph.pitch"; an item of a list as "turf.layers[].depth").
 [[nodiscard]] std::vector<std::string> known_keys();

@@ -81,6 +81,14 @@ class TomlWriter final : public KeyVisitor {
       inside += fmt::format("{} {} = {}", inside.empty() ? "" : ",", key_text(name), value);
     line(key, fmt::format("{{{} }}", inside));
   }
+  void given(const Key& key, Given& value, std::string_view) override {
+    if (value.is_given()) line(key, text_of(value));
+  }
+  void given_list(const Key& key, std::vector<Given>& values, std::string_view) override {
+    std::string list;
+    for (const Given& value : values) list += fmt::format("{}{}", list.empty() ? "" : ", ", text_of(value));
+    if (!values.empty()) line(key, fmt::format("[{}]", list));
+  }
   void material(const Key& key, Index& index) override { line(key, in_quotes(name_of(index))); }
   void materials(const Key& key, std::array<Index, 2>& indices) override {
     line(key, fmt::format("[{}, {}]", in_quotes(name_of(indices[0])), in_quotes(name_of(indices[1]))));
@@ -103,6 +111,9 @@ class TomlWriter final : public KeyVisitor {
   bool wants(const Key&, bool present) override { return present; }
 
  private:
+  static std::string text_of(const Given& value) {
+    return value.quoted ? in_quotes(value.text) : fmt::format("{}", value.number);
+  }
   /// Before the tables inside this one: after their headers a line would belong to them.
   void line(const Key& key, const std::string& value) {
     const std::string text = fmt::format("{} = {}\n", key_text(key.name), value);

@@ -320,6 +320,38 @@ void TomlReader::numbers_by_name(const Key& key, std::map<std::string, double>& 
   }
 }
 
+Given TomlReader::to_given(std::string_view name, const toml::node& node, std::string_view wanted) const {
+  Given value;
+  value.place = {document_.where(&node, shown(name)), shown(name), value_text(node)};
+  if (node.is_string()) {
+    value.quoted = true;
+    value.text = *node.value<std::string>();
+  } else if (node.is_number()) {
+    value.number = *node.value<double>();
+  } else {
+    fail(name, node, fmt::format("{} is needed", wanted));
+  }
+  return value;
+}
+
+void TomlReader::given(const Key& key, Given& value, std::string_view wanted) {
+  const toml::node* node = find(key, wanted);
+  if (node != nullptr) value = to_given(key.name, *node, wanted);
+}
+
+void TomlReader::given_list(const Key& key, std::vector<Given>& values, std::string_view wanted) {
+  const toml::node* node = find(key, wanted);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->empty()) fail(key.name, *node, fmt::format("{} is needed", wanted));
+  values.clear();
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string name = fmt::format("{}.{}", key.name, i);
+    values.push_back(to_given(name, (*array)[i], wanted));
+    document_.places->note(path(name), values.back().place);
+  }
+}
+
 void TomlReader::material(const Key& key, Index& index) {
   const toml::node* node = find(key, "the name of a material");
   if (node != nullptr) index = to_material(key.name, *node);

@@ -64,6 +64,8 @@ class TomlReader final : public KeyVisitor {
                      const Range& range) override;
   void curve(const Key& key, Curve& curve, const CurveAxes& axes) override;
   void numbers_by_name(const Key& key, std::map<std::string, double>& values, const Range& range) override;
+  void given(const Key& key, Given& value, std::string_view wanted) override;
+  void given_list(const Key& key, std::vector<Given>& values, std::string_view wanted) override;
   void material(const Key& key, Index& index) override;
   void materials(const Key& key, std::array<Index, 2>& indices) override;
   void table(const Key& key, const Visit& visit) override;
@@ -80,6 +82,7 @@ class TomlReader final : public KeyVisitor {
   [[nodiscard]] double to_quantity(std::string_view name, const toml::node& node, std::string_view unit,
                                    const Range& range) const;
   [[nodiscard]] double to_number(std::string_view name, const toml::node& node, const Range& range) const;
+  [[nodiscard]] Given to_given(std::string_view name, const toml::node& node, std::string_view wanted) const;
   [[nodiscard]] std::string to_text(std::string_view name, const toml::node& node) const;
   [[nodiscard]] Index to_material(std::string_view name, const toml::node& node) const;
   const toml::array& to_pair(std::string_view name, const toml::node& node, std::string_view of) const;

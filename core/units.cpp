@@ -41,7 +41,7 @@ Unit parse_unit(std::string_view text) {
 struct DimensionWords {
   std::string_view unit, words, example;
 };
-constexpr std::array<DimensionWords, 10> dimensions{{
+constexpr std::array<DimensionWords, 12> dimensions{{
     {"m", "a length", "5 mm"},
     {"kg", "a mass", "2.25 kg"},
     {"s", "a time", "10 ms"},
@@ -51,6 +51,8 @@ constexpr std::array<DimensionWords, 10> dimensions{{
     {"Pa^2", "a squared pressure", "100 kPa^2"},
     {"kg/m^3", "a density", "440 kg/m^3"},
     {"rad", "an angle", "10 degree"},
+    {"degree", "an angle", "10 degree"},
+    {"1", "a share", "20 %"},
     {"Hz", "a frequency or rate", "1000 Hz"},
 }};
 

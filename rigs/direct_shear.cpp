@@ -82,29 +82,6 @@ ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain)
   return results;
 }
 
-std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal,
-                                                std::span<const double> shear) {
-  const auto n = static_cast<double>(normal.size());
-  double mean_normal = 0, mean_shear = 0, nn = 0, ns = 0;
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    mean_normal += normal[i] / n;
-    mean_shear += shear[i] / n;
-  }
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    nn += (normal[i] - mean_normal) * (normal[i] - mean_normal);
-    ns += (normal[i] - mean_normal) * (shear[i] - mean_shear);
-  }
-  if (normal.size() < 2 || !(nn > 0)) return std::nullopt;
-  MohrCoulombLine line;
-  const double slope = ns / nn;
-  line.friction_angle = std::atan(slope);
-  line.cohesion = mean_shear - slope * mean_normal;
-  for (std::size_t i = 0; i < normal.size(); ++i)
-    line.largest_misfit =
-        std::max(line.largest_misfit, std::abs(shear[i] - line.cohesion - slope * normal[i]));
-  return line;
-}
-
 DirectShear::DirectShear(const Scene& scene)
     : rig_(scene.rig.specimen),
       material_(scene.materials.at(static_cast<std::size_t>(scene.rig.specimen.material))),
@@ -278,6 +255,48 @@ void DirectShear::add_results(std::map<std::string, Quantity>& results,
   };
   add_line("", fit_mohr_coulomb(normal, shear));
   add_line("remaining_area_", fit_mohr_coulomb(remaining_normal, remaining_shear));
+}
+
+std::map<std::string, Quantity> DirectShear::result_names() const {
+  std::map<std::string, Quantity> names;
+  for (const double normal : rig_.normal_stresses) {
+    const std::string prefix = fmt::format("normal_{:g}_kpa_", 1e-3 * normal);
+    for (const char* stress :
+         {"peak_stress", "yield_stress", "stress_on_plane", "yield_stress_on_remaining_area"})
+      names[prefix + stress] = {0, "Pa"};
+    names[prefix + "strain_at_peak"] = {0, "1"};
+    names[prefix + "height_change"] = {0, "m"};
+  }
+  if (rig_.normal_stresses.size() < 2) return names;
+  for (const std::string prefix : {"", "remaining_area_"}) {
+    names[prefix + "cohesion"] = names[prefix + "line_misfit"] = {0, "Pa"};
+    names[prefix + "friction_angle"] = {0, "deg"};
+  }
+  return names;
+}
+
+std::vector<SpecimenCurve> DirectShear::curve_names() const {
+  std::vector<SpecimenCurve> curves;
+  for (const double normal : rig_.normal_stresses)
+    curves.push_back({fmt::format("normal_{:g}_kpa_shear", 1e-3 * normal),
+                      "1",
+                      "Pa",
+                      "shear strain",
+                      "shear stress",
+                      {},
+                      {}});
+  return curves;
+}
+
+std::vector<SpecimenCurve> DirectShear::curves() const {
+  std::vector<SpecimenCurve> curves = curve_names();
+  for (std::size_t test = 0; test < tests(); ++test)
+    for (const ShearRow& row : rows_[test]) {
+      if (row.shearing == 0) continue;
+      curves[test].x.push_back(row.shear_strain);
+      curves[test].y.push_back(row.shear_stress);
+    }
+  return curves;
 }
 
 void DirectShear::save(h5::Group& group) const {

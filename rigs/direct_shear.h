@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "core/mohr_coulomb_line.h"
 #include "rigs/specimen_test.h"
 
 namespace tuft::rigs {
@@ -41,16 +42,6 @@ inline constexpr double yield_window = 0.005;
 /// Pure evaluation of the rows of one test, in order of time.
 [[nodiscard]] ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain);
 
-/// tau = cohesion + sigma tan(friction_angle), by least squares.
-struct MohrCoulombLine {
-  double cohesion = 0;        ///< Pa
-  double friction_angle = 0;  ///< rad
-  double largest_misfit = 0;  ///< Pa, of any point
-};
-/// Of at least two points with different normal stresses; empty otherwise.
-[[nodiscard]] std::optional<MohrCoulombLine> fit_mohr_coulomb(std::span<const double> normal,
-                                                              std::span<const double> shear);
-
 class DirectShear final : public SpecimenTest {
  public:
   explicit DirectShear(const Scene& scene);
@@ -71,6 +62,9 @@ class DirectShear final : public SpecimenTest {
   [[nodiscard]] std::vector<double> row() const override;
   void add_results(std::map<std::string, Quantity>& results,
                    std::map<std::string, Quantity>& notes) const override;
+  [[nodiscard]] std::map<std::string, Quantity> result_names() const override;
+  [[nodiscard]] std::vector<SpecimenCurve> curves() const override;
+  [[nodiscard]] std::vector<SpecimenCurve> curve_names() const override;
   void save(h5::Group& group) const override;
   void load(const h5::Group& group) override;
 

@@ -7,33 +7,17 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/loading_branch.h"
 #include "rigs/row_table.h"
 #include "sph_infill/specimen_lattice.h"
 
 namespace tuft::rigs {
 namespace {
 
-constexpr double low_share = 0.1, high_share = 0.9;  // of the cycle's largest stress, for the secant moduli
 /// Over the last of the way to a force (this share of the preload, or so many rows at the present pace) the
 /// plate slows down in proportion to what is left, so that it turns close to it.
 constexpr double approach_share = 0.02, approach_rows = 20, slowest = 0.02;
 constexpr double most_compression = 0.7;  // of the height
-
-/// Strain at which the stress first passes `level` in a branch; `sign` 1: upwards, -1: downwards.
-std::optional<double> strain_at(std::span<const OedometerRow> rows, double level, double sign) {
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const OedometerRow &a = rows[i - 1], &b = rows[i];
-    if (sign * (a.stress - level) > 0 || sign * (b.stress - level) < 0 || a.stress == b.stress) continue;
-    return a.strain + (b.strain - a.strain) * (level - a.stress) / (b.stress - a.stress);
-  }
-  return std::nullopt;
-}
-
-std::optional<double> secant(std::span<const OedometerRow> rows, double low, double high, double sign) {
-  const auto from = strain_at(rows, low, sign), to = strain_at(rows, high, sign);
-  if (!from || !to || *from == *to) return std::nullopt;
-  return (high - low) / (*to - *from);
-}
 
 /// Integral of stress over strain, J/m^3.
 double work(std::span<const OedometerRow> rows) {
@@ -64,8 +48,10 @@ CycleResults evaluate_cycle(std::span<const OedometerRow> rows, double seating_f
   results.peak_strain = peak->strain;
   const auto split = static_cast<std::size_t>(peak - rows.begin()) + 1;
   const std::span<const OedometerRow> up = rows.first(split), down = rows.subspan(split - 1);
-  results.loading_modulus = secant(up, low_share * peak->stress, high_share * peak->stress, 1);
-  results.unloading_modulus = secant(down, high_share * peak->stress, low_share * peak->stress, -1);
+  results.loading_modulus =
+      secant_modulus(up, cycle_low_share * peak->stress, cycle_high_share * peak->stress, 1);
+  results.unloading_modulus =
+      secant_modulus(down, cycle_high_share * peak->stress, cycle_low_share * peak->stress, -1);
   if (!(rows.back().force <= seating_force) || down.size() < 2) return results;
   results.residual_strain = rows.back().strain;
   if (const double put_in = work(up); put_in > 0) results.loss = 1 + work(down) / put_in;
@@ -73,7 +59,7 @@ CycleResults evaluate_cycle(std::span<const OedometerRow> rows, double seating_f
 }
 
 std::optional<double> loading_secant(std::span<const OedometerRow> rows, double low, double high) {
-  return secant(rows, low, high, 1);
+  return secant_modulus(rows, low, high, 1);
 }
 
 Oedometer::Oedometer(const Scene& scene)
@@ -255,6 +241,52 @@ void Oedometer::add_results(std::map<std::string, Quantity>& results,
     notes[prefix + "ring_friction_share"] = {friction / peak, "1"};
     notes[prefix + "contact_compression"] = {(give_above_ + give_below_) * peak, "m"};
   }
+}
+
+std::map<std::string, Quantity> Oedometer::result_names() const {
+  std::map<std::string, Quantity> names;
+  for (const double preload : rig_.preloads) {
+    const std::string prefix = fmt::format("preload_{:g}_", preload);
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle) {
+      const std::string of = fmt::format("{}cycle_{}_", prefix, cycle);
+      for (const char* modulus : {"loading_modulus", "unloading_modulus"}) names[of + modulus] = {0, "Pa"};
+      for (const char* share : {"loss", "strain_at_preload", "residual_strain"}) names[of + share] = {0, "1"};
+    }
+    names[prefix + "modulus_100_to_600_kpa"] = {0, "Pa"};
+    names[prefix + "unloading_over_loading"] = {0, "1"};
+  }
+  return names;
+}
+
+std::vector<SpecimenCurve> Oedometer::curve_names() const {
+  std::vector<SpecimenCurve> curves;
+  for (const double preload : rig_.preloads)
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle)
+      for (const char* branch : {"loading", "unloading"})
+        curves.push_back({fmt::format("preload_{:g}_cycle_{}_{}", preload, cycle, branch),
+                          "1",
+                          "Pa",
+                          "compression",
+                          "axial stress",
+                          {},
+                          {}});
+  return curves;
+}
+
+std::vector<SpecimenCurve> Oedometer::curves() const {
+  std::vector<SpecimenCurve> curves = curve_names();
+  auto curve = curves.begin();
+  for (std::size_t test = 0; test < tests(); ++test)
+    for (int cycle = 1; cycle <= rig_.cycles; ++cycle)
+      for (const double direction : {1.0, -1.0}) {
+        for (const OedometerRow& row : rows_[test]) {
+          if (row.cycle != cycle || row.direction != direction) continue;
+          curve->x.push_back(row.strain);
+          curve->y.push_back(row.stress);
+        }
+        ++curve;
+      }
+  return curves;
 }
 
 void Oedometer::save(h5::Group& group) const {

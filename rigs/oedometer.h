@@ -65,6 +65,9 @@ class Oedometer final : public SpecimenTest {
   [[nodiscard]] std::vector<double> row() const override;
   void add_results(std::map<std::string, Quantity>& results,
                    std::map<std::string, Quantity>& notes) const override;
+  [[nodiscard]] std::map<std::string, Quantity> result_names() const override;
+  [[nodiscard]] std::vector<SpecimenCurve> curves() const override;
+  [[nodiscard]] std::vector<SpecimenCurve> curve_names() const override;
   void save(h5::Group& group) const override;
   void load(const h5::Group& group) override;
 

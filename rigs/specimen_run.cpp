@@ -297,6 +297,27 @@ RunSummary run_specimen(const RunRequest& request) {
   return SpecimenRunner(request).run();
 }
 
+SpecimenOutcome measure_specimen(const Scene& scene, const std::atomic<bool>* stop) {
+  const auto rig = make_specimen_test(scene);
+  SpecimenOutcome outcome;
+  for (std::size_t test = 0; test < rig->tests() && !outcome.stopped; ++test) {
+    const auto simulation = build_specimen_test(scene, *rig, test);
+    rig->begin(test, *simulation);
+    std::uint64_t row = 0;
+    while (!rig->done() && !outcome.stopped) {
+      rig->drive(*simulation);
+      simulation->advance_interval(rig->interval());
+      simulation->set_time(rig->interval() * static_cast<double>(++row));
+      rig->sample(*simulation);
+      outcome.stopped = stop != nullptr && stop->load();
+    }
+  }
+  std::map<std::string, Quantity> notes;
+  rig->add_results(outcome.results, notes);
+  outcome.curves = rig->curves();
+  return outcome;
+}
+
 RunPlan plan_specimen(const Scene& scene) {
   if (scene.numerics.threads > 0) set_threads(scene.numerics.threads);
   RunPlan plan;

@@ -12,6 +12,14 @@
 
 namespace tuft::rigs {
 
+/// A curve as an experimenter would draw it: "preload_1500_cycle_1_loading".
+struct SpecimenCurve {
+  std::string name;
+  std::string x_unit, y_unit;
+  std::string x_label, y_label;  ///< in words
+  std::vector<double> x, y;
+};
+
 /// One rig with all its tests, which follow one another, each with a fresh specimen. Rows are measured at
 /// equal intervals; forces are means over an interval, travel is that of its middle.
 class SpecimenTest {
@@ -44,6 +52,13 @@ class SpecimenTest {
   /// Results and measures of quality of all tests as far as they went.
   virtual void add_results(std::map<std::string, Quantity>& results,
                            std::map<std::string, Quantity>& notes) const = 0;
+
+  /// Names and units of the results that add_results gives of tests that went to their end; values are 0.
+  [[nodiscard]] virtual std::map<std::string, Quantity> result_names() const = 0;
+  /// Stress against strain of all tests as far as they went, named as `curve_names`.
+  [[nodiscard]] virtual std::vector<SpecimenCurve> curves() const = 0;
+  /// Names and units of the curves of tests that went to their end, without points.
+  [[nodiscard]] virtual std::vector<SpecimenCurve> curve_names() const = 0;
 
   /// Rows of all tests, and where the test at hand stands. `load` follows `begin` of that test.
   virtual void save(h5::Group& group) const = 0;

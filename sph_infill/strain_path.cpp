@@ -5,12 +5,13 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "sph_infill/sph_infill.h"
 
 namespace tuft::sph {
 namespace {
 
-constexpr std::string_view kind_names[] = {"isotropic",    "oedometric", "triaxial",
-                                           "simple_shear", "pure_shear", "velocity_gradient"};
+constexpr std::string_view kind_names[] = {"isotropic",  "oedometric",   "triaxial",         "simple_shear",
+                                           "pure_shear", "direct_shear", "velocity_gradient"};
 
 SymmetricTensor stress_of(const SoilState& state) {
   SymmetricTensor s = state.deviator;
@@ -26,13 +27,15 @@ double watched_stress(PathKind kind, const SoilState& state) {
     case PathKind::oedometric:
     case PathKind::triaxial:
       return -stress_of(state).zz;
+    case PathKind::direct_shear:
+      return state.deviator.zx;
     default:
       return state.deviator.xy;
   }
 }
 
 /// Strain and turn of a change `size` of the segment's strain (compression positive), as of a constant
-/// velocity gradient. Lateral strains of a triaxial segment are left 0.
+/// velocity gradient. Strains that follow from a kept stress are left 0.
 StrainStep motion(PathKind kind, double size) {
   switch (kind) {
     case PathKind::isotropic:
@@ -42,6 +45,8 @@ StrainStep motion(PathKind kind, double size) {
       return {{0, 0, -size, 0, 0, 0}, {}};
     case PathKind::simple_shear:  // v_x = rate y: the axial vector of the spin is -rate/2 along z
       return {{0, 0, 0, 0.5 * size, 0, 0}, {0, 0, -0.5 * size}};
+    case PathKind::direct_shear:  // v_x = rate z: rate/2 along y
+      return {{0, 0, 0, 0, 0, 0.5 * size}, {0, 0.5 * size, 0}};
     default:
       return {{0, 0, 0, 0.5 * size, 0, 0}, {}};
   }
@@ -61,9 +66,10 @@ class Walker {
   void walk(std::size_t index) {
     const PathSegment& segment = test_.segments[index];
     now_.segment = index + 1;
+    if (segment.fresh && index > 0) start_again();
     first_row_ = record_.rows.size();
     stride_ = 1, since_row_ = 0;
-    lateral_ = stress_of(now_.state);
+    kept_ = stress_of(now_.state);
     guess_ = {0, 0};
     if (segment.duration)
       walk_gradient(segment);
@@ -72,10 +78,26 @@ class Walker {
     else
       walk_to_stress(segment);
     keep_last_row();
+    record_.completed = index + 1;
   }
 
  private:
+  struct Counted {
+    std::size_t steps;
+    double work_size, largest_energy_gap;
+  };
   [[nodiscard]] double volume() const { return std::exp(-now_.state.compression); }
+
+  /// A point as the first was; time goes on.
+  void start_again() {
+    PathRow fresh;
+    fresh.time = now_.time;
+    fresh.segment = now_.segment;
+    fresh.state = compacted_state(law_, test_.residual_compression);
+    now_ = fresh;
+    describe(0);
+    record_.rows.push_back(now_);
+  }
 
   [[noreturn]] void fail(const PathSegment& segment, const std::string& what) const {
     throw_run_error("{}: segments.{} ({}): {}", test_.file, now_.segment - 1,
@@ -117,7 +139,7 @@ class Walker {
     double gone = 0;
     while (true) {
       const PathRow before = now_;
-      const PathRecord counted_before{{}, record_.steps, record_.work_size, record_.largest_energy_gap};
+      const Counted counted_before{record_.steps, record_.work_size, record_.largest_energy_gap};
       const std::array<double, 2> guess_before = guess_;
       take(step_of(segment, sign * test_.step));
       gone += test_.step;
@@ -146,7 +168,7 @@ class Walker {
     }
   }
 
-  void go_back(const PathRow& row, const PathRecord& counted, const std::array<double, 2>& guess) {
+  void go_back(const PathRow& row, const Counted& counted, const std::array<double, 2>& guess) {
     now_ = row;
     record_.steps = counted.steps;
     record_.work_size = counted.work_size;
@@ -172,6 +194,7 @@ class Walker {
     StrainStep step = motion(segment.kind, size);
     step.duration = std::abs(size) / segment.rate;
     if (segment.kind == PathKind::triaxial) keep_lateral_stress(segment, step);
+    if (segment.kind == PathKind::direct_shear) keep_normal_stress(segment, size, step);
     return step;
   }
 
@@ -180,14 +203,14 @@ class Walker {
   void keep_lateral_stress(const PathSegment& segment, StrainStep& step) {
     using Pair = std::array<double, 2>;
     const double size = std::abs(step.strain.zz);
-    const double tolerance = 1e-10 * (now_.state.bulk_modulus * size + std::abs(lateral_.xx));
+    const double tolerance = 1e-10 * (now_.state.bulk_modulus * size + std::abs(kept_.xx));
     const auto miss = [&](const Pair& e) -> Pair {
       StrainStep tried = step;
       tried.strain.xx = e[0], tried.strain.yy = e[1];
       SoilState state = now_.state;
       update_soil(law_, tried, state);
       const SymmetricTensor s = stress_of(state);
-      return {s.xx - lateral_.xx, s.yy - lateral_.yy};
+      return {s.xx - kept_.xx, s.yy - kept_.yy};
     };
     for (const Pair& start : {guess_, Pair{0, 0}, Pair{0.5, 0.5}, Pair{-0.5, -0.5}, Pair{2, 2}, Pair{-2, -2},
                               Pair{8, 8}, Pair{-8, -8}}) {
@@ -199,7 +222,51 @@ class Walker {
     }
     fail(segment, fmt::format("stresses of {:.6g} and {:.6g} Pa along x and y cannot be kept; raise them, or "
                               "lower point.step",
-                              -lateral_.xx, -lateral_.yy));
+                              -kept_.xx, -kept_.yy));
+  }
+
+  /// Strain along z under which the stress along z stays. That stress rises with compression, so the strain
+  /// lies between two that are found by doubling; then false position (Illinois).
+  void keep_normal_stress(const PathSegment& segment, double size, StrainStep& step) {
+    const double wide = std::abs(size);
+    const double tolerance = 1e-10 * (now_.state.bulk_modulus * wide + std::abs(kept_.zz));
+    const auto miss = [&](double strain) {
+      StrainStep tried = step;
+      tried.strain.zz = strain;
+      SoilState state = now_.state;
+      update_soil(law_, tried, state);
+      return stress_of(state).zz - kept_.zz;
+    };
+    double low = guess_[0] * wide, at_low = miss(low);
+    double high = low, at_high = at_low;
+    for (double reach = 0.25 * wide; at_low > 0 && reach < 1e6 * wide; reach *= 2)
+      high = low, at_high = at_low, low -= reach, at_low = miss(low);
+    for (double reach = 0.25 * wide; at_high < 0 && reach < 1e6 * wide; reach *= 2)
+      low = high, at_low = at_high, high += reach, at_high = miss(high);
+    if (at_low > 0 || at_high < 0) fail_to_keep(segment);
+    double strain = at_high < -at_low ? high : low, missed = at_high < -at_low ? at_high : at_low;
+    int side = 0;
+    for (int k = 0; k < 200 && std::abs(missed) > tolerance; ++k) {
+      strain = at_high > at_low ? low - at_low * (high - low) / (at_high - at_low) : 0.5 * (low + high);
+      missed = miss(strain);
+      if (missed < 0) {
+        low = strain, at_low = missed;
+        if (side == -1) at_high *= 0.5;
+        side = -1;
+      } else {
+        high = strain, at_high = missed;
+        if (side == 1) at_low *= 0.5;
+        side = 1;
+      }
+    }
+    if (!(std::abs(missed) <= tolerance)) fail_to_keep(segment);
+    step.strain.zz = strain;
+    guess_[0] = strain / wide;
+  }
+
+  [[noreturn]] void fail_to_keep(const PathSegment& segment) const {
+    fail(segment, fmt::format("a stress of {:.6g} Pa along z cannot be kept; raise it, or lower point.step",
+                              -kept_.zz));
   }
 
   /// Newton's method with differences of size `probe` for miss(e) = 0; a step is halved until it helps, for
@@ -279,12 +346,29 @@ class Walker {
   PathRecord& record_;
   PathRow now_;
   double stored_at_start_ = 0;
-  SymmetricTensor lateral_;        ///< stress that a triaxial segment keeps along x and y
-  std::array<double, 2> guess_{};  ///< lateral strains over the axial one, of the step before
+  SymmetricTensor kept_;  ///< stress at the start of the segment: triaxial keeps x and y, direct_shear z
+  std::array<double, 2> guess_{};  ///< strains that follow from it over the own one, of the step before
   std::size_t first_row_ = 0, stride_ = 1, since_row_ = 0;
 };
 
 }  // namespace
+
+SoilLaw law_of(const PointTest& test, const std::vector<EffectDecision>& effects) {
+  const Material& material = test.tested();
+  try {
+    const SoilLaw law =
+        make_soil_law(*material.continuum, effect_on(effects, "tension_cutoff"), soil_effects_of(effects));
+    (void)compacted_state(law, test.residual_compression);
+    return law;
+  } catch (const InputError& error) {
+    throw_input_error("{}: material \"{}\", continuum: {}", material.file, material.name, error.what());
+  }
+}
+
+double shear_stress(const PointTest& test, const PathRow& row) {
+  const bool direct = row.segment > 0 && test.segments[row.segment - 1].kind == PathKind::direct_shear;
+  return direct ? row.state.deviator.zx : row.state.deviator.xy;
+}
 
 void run_strain_path(const SoilLaw& law, const PointTest& test, PathRecord& record) {
   record = {};

@@ -30,12 +30,20 @@ struct PathRow {
 };
 
 struct PathRecord {
-  std::vector<PathRow>
-      rows;  ///< the start, then at most PointTest::samples of each segment, its end among them
+  std::vector<PathRow> rows;  ///< the start, then at most PointTest::samples of each segment, its end among
+                              ///< them; of a fresh one its own start before these
+  std::size_t completed = 0;  ///< segments that came to their end
   std::size_t steps = 0;
   double work_size = 0;           ///< J/m^3, sum of the sizes of all works
   double largest_energy_gap = 0;  ///< J/m^3, largest |work - dissipated - (stored - stored at the start)|
 };
+
+/// The law of the tested material under the effects decided for it. Throws InputError naming the material's
+/// file and what of it cannot be.
+[[nodiscard]] SoilLaw law_of(const PointTest& test, const std::vector<EffectDecision>& effects);
+
+/// Shear stress that the row's segment speaks of, Pa: zx of direct_shear, else xy.
+[[nodiscard]] double shear_stress(const PointTest& test, const PathRow& row);
 
 /// Runs the test's path. `record` holds what was reached also when it throws: RunError, naming the segment,
 /// for a stress that is not met within the strain limit or lateral stresses that cannot be kept.
