@@ -50,6 +50,7 @@ struct InfillEnergy {
   double gravity_potential = 0; ///< relative to z = 0
   double damping = 0;           ///< taken out by set_damping
   double contact_work = 0;      ///< work the contact impulses did on the infill (sum of J . centred velocity)
+  double let_go = 0;            ///< what the infill held that another that took over could not (conditioning)
 };
 
 /// What one window did, measured on the receiving side.

@@ -102,6 +102,20 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
   }
 }
 
+void BodyContact::let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies,
+                         double release) {
+  for (std::size_t g = 0; g < keys_.size(); ++g) {
+    if (key_other(keys_[g]) != body) continue;
+    const Index i = key_point(keys_[g]);
+    ContactHistory& history = histories_[g];
+    const double stiffness = settings_.stiffness[i],
+                 distance = surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
+                 overlap = points.radius[i] - distance - history.offset / std::sqrt(stiffness) * release;
+    if (overlap > 0) energy_.damped += 0.5 * stiffness * overlap * overlap;
+    energy_.friction += release_spring(history);
+  }
+}
+
 double BodyContact::largest_frequency_squared(std::span<const double> mass) const {
   double largest = 0;
   for (std::size_t i = 0; i < mass.size(); ++i) largest = std::max(largest, settings_.stiffness[i] / mass[i]);

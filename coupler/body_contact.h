@@ -36,6 +36,10 @@ class BodyContact {
                 double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
                 BodyImpulses& on_bodies);
 
+  /// Ends all contact with a body before it is taken away: normal springs count as damped, tangential ones as
+  /// friction.
+  void let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies, double release);
+
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
+#include "coupler/conditioned_infill.h"
 #include "coupler/settled_packing.h"
 #include "fe_carpet/mesh_import.h"
 
@@ -20,11 +22,7 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
 
 std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
                                   const sph::Lattice& lattice) {
-  const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
-                                  effect_on(effects, "tension_cutoff"),
-                                  effect_on(effects, "zero_energy_control"),
-                                  scene.numerics.sleep_tolerance, sph::soil_effects_of(effects)};
-  return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
+  return std::make_unique<sph::SphInfill>(lattice, scene.materials, sph_settings(scene, effects));
 }
 
 std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -70,6 +68,15 @@ std::vector<double> node_radii(const fe::ShellMesh& mesh) {
   for (std::size_t e = 0; e < mesh.quads.size(); ++e)
     for (const Index node : mesh.quads[e]) radius[node] = std::max(radius[node], 0.5 * mesh.thickness[e]);
   return radius;
+}
+
+/// Just above all particles and nodes, m.
+double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::span<const double> node_radius) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < particles.size(); ++i) top = std::max(top, particles.z[i] + particles.radius[i]);
+  for (std::size_t n = 0; n < nodes.z.size(); ++n) top = std::max(top, nodes.z[n] + node_radius[n]);
+  constexpr double clearance = 1e-4;
+  return top + clearance;
 }
 
 double smallest(std::span<const double> values) {
@@ -137,9 +144,14 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.node_radius = node_radii(mesh);
 
   if (scene.infill.approach == Approach::sph) {
-    const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
-    parts.infill =
-        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch));
+    const sph::Lattice lattice = scene_lattice(scene);
+    if (request.before_conditioning) {
+      auto spheres = build_spheres(scene, request.effects, lattice);
+      built.spheres = spheres.get();
+      parts.infill = std::move(spheres);
+    } else {
+      parts.infill = build_sph(scene, request.effects, lattice);
+    }
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
     parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
@@ -166,6 +178,10 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
 
   const ParticleView particles = parts.infill->particles();
+  if (scene.conditioning.on()) {
+    built.plate = parts.bodies.size();
+    parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+  }
   const PointContact contact = particle_contact(scene, request.effects, particles);
   parts.particle_shell.stiffness = contact.stiffness;
   parts.particle_shell.damping_ratio = contact.damping_ratio;
@@ -192,7 +208,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   }
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = effect_on(request.effects, "overlap_release");
-  parts.time = -scene.numerics.settle_time;
+  parts.time = request.start_time;
   built.simulation = std::make_unique<Simulation>(std::move(parts));
   return built;
 }

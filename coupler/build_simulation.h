@@ -10,6 +10,7 @@
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_effects.h"
+#include "sph_infill/sphere_infill.h"
 #include "sph_infill/sph_infill.h"
 
 namespace tuft::coupler {
@@ -19,6 +20,9 @@ struct BuildRequest {
   std::vector<EffectDecision> effects;
   std::vector<RigidBody> rig_bodies;  ///< appended to the tray's
   double energy_scale = 0;            ///< J
+  double start_time = 0;              ///< s, of the simulation: negative, for the rig is released at 0
+  /// SPH with conditioning: spheres in place of the continuum, which takes over from them later.
+  bool before_conditioning = false;
   /// Grains at rest, for DEM; empty: they are packed and settled (or taken from the cache).
   const dem::Grains* grains = nullptr;
   std::function<void(const std::string& stage, double done)> on_progress;  ///< while packing; done in [0, 1]
@@ -27,7 +31,9 @@ struct BuildRequest {
 struct BuiltSimulation {
   std::unique_ptr<Simulation> simulation;
   const dem::DemInfill* dem = nullptr;  ///< the simulation's infill when it is DEM
+  sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
+  std::size_t plate = 0;  ///< body of conditioning, behind the rig's; 0: the scene has none
   double packing_seconds = 0;
   bool packing_from_cache = false;
 };

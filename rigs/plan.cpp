@@ -96,7 +96,7 @@ void remark_on_mass_scaling(RunPlan& plan, const fe::MassScaling& scaling) {
 
 /// Builds the run and times its real loops over the first intervals.
 void plan_by_running(RunPlan& plan, const Scene& scene) {
-  RunState state = make_run_state(scene, nullptr, {});
+  RunState state = make_run_state(scene, nullptr, 0, {});
   coupler::Simulation& simulation = state.simulation();
   const fe::Carpet& carpet = simulation.carpet();
   plan.particles = simulation.infill().particles().size();
