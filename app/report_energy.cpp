@@ -34,6 +34,7 @@ const std::vector<Term>& terms() {
                                      {"hourglass", "hourglass", "e10"},
                                      {"eroded", "failed shells", "e13"},
                                      {"damping", "mass damping", "e11"},
+                                     {"conditioning", "let go by spheres", "e14"},
                                      {"external_work", "external work", "e12"}};
   return all;
 }

@@ -22,7 +22,8 @@ void measure_densities(const std::vector<double>& ratio, std::span<const Index> 
   std::vector<double> count(layers, 0), sum(layers, 0), square(layers, 0);
   for (std::size_t i = 0; i < ratio.size(); ++i) {
     const auto k = static_cast<std::size_t>(layer[i]);
-    count[k] += 1, sum[k] += ratio[i], square[k] += ratio[i] * ratio[i];
+    const double reached = std::max(1.0, ratio[i]);  // what the continuum starts with
+    count[k] += 1, sum[k] += reached, square[k] += reached * reached;
   }
   for (std::size_t k = 0; k < layers; ++k) {
     const double mean = sum[k] / count[k];
@@ -91,7 +92,10 @@ std::unique_ptr<Infill> take_over(const Scene& scene, const std::vector<EffectDe
   report.fastest = fastest(bed.velocity.x, bed.velocity.y, bed.velocity.z);
   report.largest_overlap = spheres.largest_overlap();
   measure_densities(bed.density_ratio, spheres.particles().layer, scene.turf.layers.size(), report);
-  auto continuum = std::make_unique<sph::SphInfill>(scene_lattice(scene), scene.materials,
+  const sph::Lattice lattice = scene_lattice(scene);
+  for (std::size_t i = 0; i < lattice.volume.size(); ++i)
+    report.volume += lattice.volume[i] / std::max(1.0, bed.density_ratio[i]);
+  auto continuum = std::make_unique<sph::SphInfill>(lattice, scene.materials,
                                                     sph_settings(scene, effects), bed, scene.conditioning.state);
   report.started_as_placed =
       static_cast<double>(continuum->loosest_started()) / static_cast<double>(bed.density_ratio.size());

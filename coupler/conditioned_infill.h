@@ -33,6 +33,7 @@ struct SwitchReport {
   double fastest = 0;         ///< m/s, of particles as they were handed over
   double largest_overlap = 0; ///< of spheres, over their diameter, the largest while conditioning
   std::vector<double> density_mean, density_deviation;  ///< by layer, of the density reached over that as placed
+  double volume = 0;             ///< m^3, of all particles at the density reached
   double started_as_placed = 0;  ///< share of particles, see SphInfill::loosest_started
 };
 

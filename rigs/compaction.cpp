@@ -95,6 +95,8 @@ std::map<std::string, Quantity> Compaction::notes() const {
   notes["conditioning_energy_let_go"] = {switch_.let_go, "J"};
   notes["conditioning_speed_at_switch"] = {switch_.fastest, "m/s"};
   if (!released_.empty()) notes["conditioning_speed_at_release"] = {settled_speed_, "m/s"};
+  // Volumes from the kernel's sums over the patch, for comparison with the depth at the switch.
+  notes["conditioning_depth_of_volumes"] = {switch_.volume / (scene_->turf.size[0] * scene_->turf.size[1]), "m"};
   notes["conditioning_started_as_placed"] = {switch_.started_as_placed, "1"};
   const auto& layers = scene_->turf.layers;
   for (std::size_t k = 0; k < layers.size(); ++k) {
@@ -120,7 +122,8 @@ void Compaction::save(h5::Group& group) const {
                                     switch_.largest_overlap,
                                     switch_.started_as_placed,
                                     switched_over_ ? 1.0 : 0.0,
-                                    settled_speed_};
+                                    settled_speed_,
+                                    switch_.volume};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("element_steps", element_steps_);
   const auto write = [&](const char* name, const std::vector<double>& values) {
@@ -138,6 +141,7 @@ void Compaction::load(const h5::Group& group) {
   switch_.largest_overlap = n.at(6), switch_.started_as_placed = n.at(7);
   switched_over_ = n.at(8) != 0;
   settled_speed_ = n.at(9);
+  switch_.volume = n.at(10);
   element_steps_ = group.read_count("element_steps");
   placed_ = group.read_doubles("placed"), under_plate_ = group.read_doubles("under_plate");
   lifted_ = group.read_doubles("lifted"), switched_ = group.read_doubles("switched");

@@ -37,15 +37,28 @@ std::vector<coupler::RecordedColumn> finished_columns(const Rig& rig) {
   return columns;
 }
 
+/// What the bridge has counted since this program began, s.
+struct HostSeconds {
+  double exchange = 0, waiting = 0;
+};
+
+HostSeconds host_seconds(const coupler::BuiltSimulation& built) {
+  if (built.dem == nullptr) return {};
+  return {built.dem->exchange_seconds(), built.dem->waiting_seconds()};
+}
+
 /// Wall time by phase. DEM: the window's time is split into LIGGGHTS' own steps (infill), what the bridge
 /// copies and signals (exchange), and the rest of the wait for the other process (waiting).
+/// `conditioning`: of both, what belongs to conditioning.
 std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
-                                            const coupler::BuiltSimulation& built) {
+                                            const coupler::BuiltSimulation& built,
+                                            const HostSeconds& conditioning) {
   std::map<std::string, double> cost = phase_seconds(simulation.timers());
   if (built.dem != nullptr) {
     const double window = cost["infill"];
-    cost["exchange"] = built.dem->exchange_seconds();
-    cost["infill"] = std::min(window, built.dem->waiting_seconds());
+    const HostSeconds now = host_seconds(built);
+    cost["exchange"] = now.exchange - conditioning.exchange;
+    cost["infill"] = std::min(window, now.waiting - conditioning.waiting);
     cost["waiting"] = std::max(0.0, window - cost["infill"] - cost["exchange"]);
   }
   return cost;
@@ -163,12 +176,16 @@ class Runner {
       const ScopedPhase phase(state_.simulation().timers(), Phase::conditioning);
       state_.compaction->before_interval(state_.index, state_.effects, state_.built);
     }
-    if (state_.index == state_.schedule.conditioned()) count_steps();
+    if (state_.index < state_.schedule.conditioned()) return;
+    conditioning_ = host_seconds(state_.built);
+    count_steps();
   }
 
   /// Wall time by phase, what was spent before a resume included.
   [[nodiscard]] std::map<std::string, double> cost() {
-    std::map<std::string, double> total = cost_by_phase(state_.simulation(), state_.built);
+    const bool conditioning = state_.index < state_.schedule.conditioned();
+    std::map<std::string, double> total =
+        cost_by_phase(state_.simulation(), state_.built, conditioning ? host_seconds(state_.built) : conditioning_);
     for (const auto& [phase, seconds] : before_.cost) total[phase] += seconds;
     return total;
   }
@@ -249,6 +266,7 @@ class Runner {
   std::optional<coupler::Recorder> recorder_;
   bool built_ = false;
   SpentSoFar before_;
+  HostSeconds conditioning_;
   std::uint64_t first_index_ = 0;
   Clock::time_point start_ = Clock::now(), loop_start_ = start_;
   std::optional<Clock::time_point> last_report_;

@@ -118,13 +118,14 @@ void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start)
       throw_run_error("SPH infill: particle {} of a compacted bed has {:.6g} times its density as placed, outside [{}, {}]",
                       i, ratio, smallest_density_ratio, largest_density_ratio);
     const SoilLaw& law = settings.laws[static_cast<std::size_t>(p.material[i])];
+    if (ratio < 1) ++loosest_started;
+    const double reached = std::max(1.0, ratio);
     const bool hardens = law.modulus_exponent > 0 || law.cohesion_exponent > 0 || law.friction_exponent > 0;
     if (start == ConditionedState::initial || (start == ConditionedState::automatic && !hardens)) {
-      p.volume[i] = p.reference_volume[i] = p.mass[i] / (law.density * ratio);
+      p.volume[i] = p.reference_volume[i] = p.mass[i] / (law.density * reached);
       continue;
     }
-    if (ratio < 1) ++loosest_started;
-    p.set_soil_state(i, compacted_state(law, std::log(std::max(1.0, ratio))));
+    p.set_soil_state(i, compacted_state(law, std::log(reached)));
     p.volume[i] = p.reference_volume[i] * std::exp(-p.compression[i]);
   }
 }

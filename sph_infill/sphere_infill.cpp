@@ -119,7 +119,7 @@ SphereInfill::SphereInfill(const Lattice& lattice, const std::vector<Material>& 
     m.damping_ratio.push_back(settings.damping_ratio[k]);
   }
   m.pairs = SpherePairs(m.view(), skin_over_diameter * 2 * *std::max_element(m.radius.begin(), m.radius.end()));
-  m.compaction = std::make_unique<CompactionMeasure>(lattice, m.mass, settings.options);
+  m.compaction = std::make_unique<CompactionMeasure>(lattice, settings.options);
   m.blocks.resize((n + block_size - 1) / block_size);
 }
 
@@ -297,7 +297,7 @@ CompactedBed SphereInfill::hand_over() {
   CompactedBed bed;
   bed.position = m.position;
   bed.velocity = m.velocity;
-  bed.density_ratio = m.compaction->ratio(m.position);
+  bed.density_ratio = m.compaction->smoothed(m.position, m.compaction->ratio(m.position));
   bed.time = m.time;
   bed.damping = m.damping;
   bed.energy = energy();
