@@ -35,6 +35,7 @@ const std::vector<Term>& terms() {
                                      {"eroded", "failed shells", "e13"},
                                      {"damping", "mass damping", "e11"},
                                      {"expelled", "infill that left", "e14"},
+                                     {"conditioning", "let go by spheres", "e15"},
                                      {"external_work", "external work", "e12"}};
   return all;
 }

@@ -56,6 +56,15 @@ std::string settings_table(const Runs& runs) {
     return s.numerics.coupling_window > 0 ? format_quantity(s.numerics.coupling_window, "s")
                                           : "the infill’s own step";
   });
+  if (std::any_of(runs.begin(), runs.end(),
+                  [](const RunData& r) { return r.scene && r.scene->conditioning.on(); }))
+    add("Conditioning", [](const Scene& s) -> std::string {
+      const Conditioning& c = s.conditioning;
+      if (!c.on()) return "none";
+      return fmt::format("{} by a plate in {}, lifted in {}, settled for {}", format_quantity(c.depth, "m"),
+                         format_quantity(c.press_time, "s"), format_quantity(c.lift_time, "s"),
+                         format_quantity(c.settle_time, "s"));
+    });
   add("Settling before the release",
       [](const Scene& s) { return format_quantity(s.numerics.settle_time, "s"); });
   add("Release of initial overlap",

@@ -62,9 +62,9 @@ svg text.scale { fill:var(--soft); }
 .key.c0{background:var(--c0)}.key.c1{background:var(--c1)}.key.c2{background:var(--c2)}.key.c3{background:var(--c3)}.key.c4{background:var(--c4)}.key.c5{background:var(--c5)}
 .m0{fill:var(--m0)}.m1{fill:var(--m1)}.m2{fill:var(--m2)}.m3{fill:var(--m3)}.m4{fill:var(--m4)}.m5{fill:var(--m5)}
 .e0{stroke:var(--ink)}.e1{stroke:#0072b2}.e2{stroke:#d55e00}.e3{stroke:#56b4e9}.e4{stroke:#009e73}.e5{stroke:#8fd3bd}.e6{stroke:#cc79a7}
-.e7{stroke:#e69f00}.e8{stroke:#b8a200}.e9{stroke:#8c6bb1}.e10{stroke:#7f7f7f}.e11{stroke:#a65628}.e12{stroke:#f781bf}.e13{stroke:#984ea3}.e14{stroke:#17becf}
-.p0{fill:#9aa5b1}.p1{fill:#6b7885}.p2{fill:#f2c879}.p3{fill:#e69f00}.p4{fill:#009e73}.p5{fill:#0072b2}.p6{fill:#cc79a7}.p7{fill:#56b4e9}.p8{fill:#8c6bb1}.p9{fill:#b8a200}.p10{fill:#c3ccd5}.p11{fill:#a65628}
-.key.p0{background:#9aa5b1}.key.p1{background:#6b7885}.key.p2{background:#f2c879}.key.p3{background:#e69f00}.key.p4{background:#009e73}.key.p5{background:#0072b2}.key.p6{background:#cc79a7}.key.p7{background:#56b4e9}.key.p8{background:#8c6bb1}.key.p9{background:#b8a200}.key.p10{background:#c3ccd5}.key.p11{background:#a65628}
+.e7{stroke:#e69f00}.e8{stroke:#b8a200}.e9{stroke:#8c6bb1}.e10{stroke:#7f7f7f}.e11{stroke:#a65628}.e12{stroke:#f781bf}.e13{stroke:#984ea3}.e14{stroke:#17becf}.e15{stroke:#66a61e}
+.p0{fill:#9aa5b1}.p1{fill:#6b7885}.p2{fill:#f2c879}.p3{fill:#e69f00}.p4{fill:#009e73}.p5{fill:#0072b2}.p6{fill:#cc79a7}.p7{fill:#56b4e9}.p8{fill:#8c6bb1}.p9{fill:#b8a200}.p10{fill:#c3ccd5}.p11{fill:#a65628}.p12{fill:#1b9e77}
+.key.p0{background:#9aa5b1}.key.p1{background:#6b7885}.key.p2{background:#f2c879}.key.p3{background:#e69f00}.key.p4{background:#009e73}.key.p5{background:#0072b2}.key.p6{background:#cc79a7}.key.p7{background:#56b4e9}.key.p8{background:#8c6bb1}.key.p9{background:#b8a200}.key.p10{background:#c3ccd5}.key.p11{background:#a65628}.key.p12{background:#1b9e77}
 @media print { body { font-size:11pt; } main { max-width:none; padding:0; } section { break-inside:avoid-page; } }
 )css";
 }

@@ -44,8 +44,11 @@ std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
   add_alone("  fibres alone", plan.fibre_step);
   table.add({"infill", format_quantity(plan.infill_step, "s"),
              format_count(static_cast<std::uint64_t>(plan.infill_substeps))});
-  return table.text() + fmt::format("  {} windows: {} of settling, then {} of the drop\n",
-                                    format_count(plan.windows),
+  const Conditioning& c = scene.conditioning;
+  const std::string before =
+      c.on() ? format_quantity(c.press_time + c.lift_time + c.settle_time, "s") + " of conditioning, " : "";
+  return table.text() + fmt::format("  {} windows: {}{} of settling, then {} of the drop\n",
+                                    format_count(plan.windows), before,
                                     format_quantity(scene.numerics.settle_time, "s"),
                                     format_quantity(scene.info.duration, "s"));
 }

@@ -1,10 +1,10 @@
 #pragma once
-/// The one interface that both descriptions of infill, SPH and DEM, implement. Rigs and contact see infill only
-/// through it and cannot tell which one they have: that is what makes the comparison fair.
+/// The one interface that both descriptions of infill, SPH and DEM, implement. Rigs and contact see infill
+/// only through it and cannot tell which one they have: that is what makes the comparison fair.
 ///
-/// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k positions
-/// stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k, kicks to
-/// t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
+/// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k
+/// positions stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k,
+/// kicks to t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -35,7 +35,9 @@ struct ParticleView {
   [[nodiscard]] std::size_t size() const { return x.size(); }
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }
-  [[nodiscard]] Vec3 spin(std::size_t i) const { return wx.empty() ? Vec3(0, 0, 0) : Vec3(wx[i], wy[i], wz[i]); }
+  [[nodiscard]] Vec3 spin(std::size_t i) const {
+    return wx.empty() ? Vec3(0, 0, 0) : Vec3(wx[i], wy[i], wz[i]);
+  }
 };
 
 /// What contact gives each particle over one window. The infill spreads it evenly over its substeps.
@@ -44,21 +46,22 @@ struct ContactImpulses {
   Vec3Array angular;  ///< N m s about the particle's centre; ignored where particles have no spin
 };
 
-/// Energies of the infill, J, all as of one moment: the last force evaluation, with the kinetic energy centred
-/// there, as the mean of the values half a step before and after or as m v- . v+ / 2. Stored terms are current values, the others have
-/// been summed up since the start of the run.
+/// Energies of the infill, J, all as of one moment: the last force evaluation, with the kinetic energy
+/// centred there, as the mean of the values half a step before and after or as m v- . v+ / 2. Stored terms
+/// are current values, the others have been summed up since the start of the run.
 struct InfillEnergy {
-  double kinetic = 0;           ///< translation and spin
-  double stored = 0;            ///< elastic energy between or in particles; for SPH the whole stress work
-  double dissipated = 0;        ///< friction, plasticity where told apart, viscosity inside the infill
-  double gravity_potential = 0; ///< relative to z = 0
-  double damping = 0;           ///< taken out by set_damping
-  double contact_work = 0;      ///< work the contact impulses did on the infill (sum of J . centred velocity)
-  double expelled = 0;          ///< kinetic energy of particles as they left the turf
+  double kinetic = 0;            ///< translation and spin
+  double stored = 0;             ///< elastic energy between or in particles; for SPH the whole stress work
+  double dissipated = 0;         ///< friction, plasticity where told apart, viscosity inside the infill
+  double gravity_potential = 0;  ///< relative to z = 0
+  double damping = 0;            ///< taken out by set_damping
+  double contact_work = 0;  ///< work the contact impulses did on the infill (sum of J . centred velocity)
+  double let_go = 0;        ///< what the infill held that another that took over could not (conditioning)
+  double expelled = 0;      ///< kinetic energy of particles as they left the turf
 };
 
-/// Particles that have left the turf. They stay in the view, where they left, without velocity; nothing touches
-/// them, and their stored and gravity energy stays in the infill's.
+/// Particles that have left the turf. They stay in the view, where they left, without velocity; nothing
+/// touches them, and their stored and gravity energy stays in the infill's.
 struct Expelled {
   std::uint64_t particles = 0;
   double mass = 0;            ///< kg

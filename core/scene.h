@@ -267,8 +267,32 @@ struct InfillChoice {
   DemOptions dem;
 };
 
+/// The state, free of stress, in which SPH infill goes on at the density that conditioning reached
+/// (docs/conditioning.md).
+enum class ConditionedState {
+  automatic,  ///< compacted for materials to whose law compaction matters (effect density_hardening), else
+              ///< initial
+  initial,    ///< the material's own, with the density reached as its reference
+  compacted   ///< as if the law had been pressed beyond that density and released
+};
+
+/// What the turf goes through before the rig is released.
 struct Conditioning {
-  std::string method = "none";  ///< none (compaction: a later version)
+  std::string method = "none";  ///< none | compaction
+  // Published (Bustamante et al. 2024): a plate presses by 6 mm in 110 ms, is lifted, the infill settles; at
+  // 140 ms it is made deformable. Assumed: the share of lifting in those 30 ms.
+  double depth = 0.006;        ///< m below the infill's surface as placed, to which the plate comes
+  double press_time = 0.110;   ///< s in which the plate comes down from the tips of the fibres
+  double lift_time = 0.020;    ///< s in which it goes back up
+  double settle_time = 0.010;  ///< s under gravity, the plate gone
+  /// Over the edge of the cube that an SPH particle fills. Measured: with 0.96 a bed can be pressed by 6 of
+  /// 50 mm and stays pressed (docs/conditioning.md).
+  double sphere_diameter = 0.96;
+  double sphere_friction = 0.5;  ///< literature: sand 0.4-0.5, sand on rubber 0.4-0.7, rubber 0.6-1.0
+  ConditionedState state = ConditionedState::automatic;
+  double frames = 0.005;  ///< s between frames meanwhile
+
+  [[nodiscard]] bool on() const { return method != "none"; }
 };
 
 /// Clegg impact tester: a rigid flat-ended cylinder with one degree of freedom, falling free.
@@ -359,7 +383,7 @@ struct Numerics {
   bool subcycle_carpet = false;      ///< the carpet's slower material at a multiple of its faster one's step
   double coupling_window = 0;        ///< s; 0: the larger of the carpet's and the infill's step
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
-  double sleep_tolerance = 0;            ///< strain under which SPH infill at rest sleeps; 0: none does
+  double sleep_tolerance = 0;        ///< strain under which SPH infill at rest sleeps; 0: none does
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch, of the penalty
   BodyContactKind body_contact = BodyContactKind::half_row;

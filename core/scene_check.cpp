@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/nearest_name.h"
@@ -188,6 +189,33 @@ void check_tray(Scene& scene, const Places& places) {
                             in_mm(depth)));
 }
 
+/// Spheres of a regular bed fill pi/6 of their cubes; random packings are no denser than 0.64 (Scott &
+/// Kilgour 1969).
+void check_conditioning(const Scene& scene, const Places& places) {
+  const Conditioning& conditioning = scene.conditioning;
+  if (!conditioning.on()) return;
+  const double depth = scene.infill_depth();
+  if (!(conditioning.depth < depth))
+    places.fail("conditioning.depth",
+                fmt::format("the infill is only {} deep; make it less than that", in_mm(depth)));
+  if (scene.infill.approach != Approach::sph) return;
+  constexpr double densest = 0.64, of_lattice = std::numbers::pi / 6;
+  const double placed = of_lattice * std::pow(conditioning.sphere_diameter, 3),
+               pressed = placed / (1 - conditioning.depth / depth);
+  if (pressed <= densest) return;
+  if (placed > densest)
+    places.fail(
+        "conditioning.sphere_diameter",
+        fmt::format("spheres fill {:.2g} of the room as placed, and cannot fill more than 0.64 in any "
+                    "disordered bed; make them smaller (0.96 can be pressed by an eighth)",
+                    placed));
+  places.fail(
+      "conditioning.depth",
+      fmt::format("spheres would fill {:.2g} of the room, more than the 0.64 of the densest disordered bed; "
+                  "at most {} can be pressed with conditioning.sphere_diameter = {:g}",
+                  pressed, in_mm(depth * (1 - placed / densest)), conditioning.sphere_diameter));
+}
+
 void check_missile(const Scene& scene, const Places& places) {
   const CleggRig& clegg = scene.rig.clegg;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -313,6 +341,7 @@ void complete_scene(Scene& scene, const Places& places) {
   check_dem_names(scene, places);
   check_layers(scene, places);
   check_tray(scene, places);
+  check_conditioning(scene, places);
   check_missile(scene, places);
   check_effects(scene, places);
   check_sleep(scene, places);

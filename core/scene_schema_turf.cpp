@@ -161,6 +161,30 @@ void describe_mesh_file(KeyVisitor& keys, CarpetMeshFile& mesh) {
             mesh.content);
 }
 
+void describe_conditioning(KeyVisitor& keys, Conditioning& conditioning) {
+  static constexpr std::string_view methods[] = {"none", "compaction"};
+  static constexpr std::string_view states[] = {"auto", "initial", "compacted"};
+  keys.choice({"method", "none; compaction: a plate presses the infill and is lifted"}, conditioning.method,
+              methods);
+  keys.quantity({"depth", "of the plate's lowest place below the infill's surface as placed"},
+                conditioning.depth, "m", positive);
+  keys.quantity({"press_time", "in which the plate comes down from the fibres' tips"}, conditioning.press_time,
+                "s", positive);
+  keys.quantity({"lift_time", "in which it goes back up"}, conditioning.lift_time, "s", positive);
+  keys.quantity({"settle_time", "gravity settling after it"}, conditioning.settle_time, "s", non_negative);
+  keys.number({"sphere_diameter",
+               "sph: of the rigid spheres meanwhile, over the edge of the cube that a particle fills"},
+              conditioning.sphere_diameter, positive);
+  keys.number({"sphere_friction", "sph: of these spheres on each other"}, conditioning.sphere_friction,
+              non_negative);
+  keys.enumeration({"state",
+                    "sph: at the density reached; initial: the material's own, with that density as its "
+                    "reference; compacted: as pressed beyond it and released; auto: compacted for materials with "
+                    "density_hardening"},
+                   conditioning.state, states);
+  keys.quantity({"frames", "time between frames meanwhile"}, conditioning.frames, "s", positive);
+}
+
 void describe_layer(KeyVisitor& keys, Layer& layer) {
   keys.material(required("material", "a file of materials/, or a table [materials.NAME]"), layer.material);
   keys.quantity(required("depth", "depth as placed"), layer.depth, "m", positive);
@@ -285,8 +309,7 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
                [&](KeyVisitor& inside) { describe_infill(inside, scene.infill); });
   if (turf)
     keys.table({"conditioning", "what the turf went through before"}, [&](KeyVisitor& inside) {
-      static constexpr std::string_view methods[] = {"none"};
-      inside.choice({"method", "none"}, scene.conditioning.method, methods);
+      describe_conditioning(inside, scene.conditioning);
     });
   keys.table({"rig", "what loads the turf"}, [&](KeyVisitor& inside) { describe_rig(inside, scene.rig); });
   if (infill)

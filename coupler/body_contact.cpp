@@ -17,12 +17,15 @@ SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahea
   return std::visit([&](const auto& shape) { return distance_to(shape, relative); }, body.shape);
 }
 
+bool any_stiffens(const std::vector<NormalSpring>& springs) {
+  return std::any_of(springs.begin(), springs.end(),
+                     [](const NormalSpring& spring) { return spring.stiffening > 0; });
+}
+
 }  // namespace
 
 BodyContact::BodyContact(BodyContactSettings settings)
-    : settings_(std::move(settings)),
-      stiffens_(std::any_of(settings_.spring.begin(), settings_.spring.end(),
-                            [](const NormalSpring& spring) { return spring.stiffening > 0; })) {}
+    : settings_(std::move(settings)), stiffens_(any_stiffens(settings_.spring)) {}
 
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
@@ -105,6 +108,39 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
     if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * dt));
     on_bodies.impulse[key_other(keys_[g])] -= r.contact.force * dt;
   }
+}
+
+void BodyContact::let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies,
+                         double release) {
+  for (std::size_t g = 0; g < keys_.size(); ++g) {
+    if (key_other(keys_[g]) != body) continue;
+    const Index i = key_point(keys_[g]);
+    ContactHistory& history = histories_[g];
+    const NormalSpring& spring = settings_.spring[i];
+    const double distance =
+                     surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
+                 overlap =
+                     points.radius[i] - distance - history.offset / std::sqrt(spring.stiffness) * release;
+    if (overlap > 0) energy_.damped += spring.energy(overlap);
+    energy_.friction += release_spring(history);
+  }
+}
+
+void BodyContact::replace_springs(std::vector<NormalSpring> springs, const ParticleView& points,
+                                  const std::vector<RigidBody>& bodies, double release) {
+  for (std::size_t g = 0; g < keys_.size(); ++g) {
+    const Index i = key_point(keys_[g]);
+    const RigidBody& body = bodies[static_cast<std::size_t>(key_other(keys_[g]))];
+    ContactHistory& history = histories_[g];
+    const NormalSpring &old = settings_.spring[i], &now = springs[i];
+    const double offset = history.offset / std::sqrt(old.stiffness);
+    const double overlap =
+        points.radius[i] - surface_point(body, points.position(i), 0).distance - offset * release;
+    if (overlap > 0) energy_.damped += old.energy(overlap) - now.energy(overlap);
+    history.offset = offset * std::sqrt(now.stiffness);
+  }
+  settings_.spring = std::move(springs);
+  stiffens_ = any_stiffens(settings_.spring);
 }
 
 std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,

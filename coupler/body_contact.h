@@ -37,15 +37,25 @@ class BodyContact {
                 double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
                 BodyImpulses& on_bodies);
 
+  /// Ends all contact with a body before it is taken away: normal springs count as damped, tangential ones as
+  /// friction.
+  void let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies, double release);
+
+  /// From now on points press bodies with other springs. What touching springs held more than their
+  /// successors do is booked as damped.
+  void replace_springs(std::vector<NormalSpring> springs, const ParticleView& points,
+                       const std::vector<RigidBody>& bodies, double release);
+
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
-  /// Largest stable step of the contacts alone, s, over the coming `horizon` (s): 2/omega. Of the springs that
-  /// stiffen only those near a body count, with the overlap that they will have at the end of it as they close
-  /// in now; before the first search, all with the most they can stiffen. `with_dashpots`: (2/omega)(sqrt(1 +
-  /// zeta^2) - zeta), for the dashpot's force is taken from the velocity half a step before; and a point
-  /// between several bodies feels the tangential springs of the others beside the normal one.
+  /// Largest stable step of the contacts alone, s, over the coming `horizon` (s): 2/omega. Of the springs
+  /// that stiffen only those near a body count, with the overlap that they will have at the end of it as they
+  /// close in now; before the first search, all with the most they can stiffen. `with_dashpots`:
+  /// (2/omega)(sqrt(1 + zeta^2) - zeta), for the dashpot's force is taken from the velocity half a step
+  /// before; and a point between several bodies feels the tangential springs of the others beside the normal
+  /// one.
   [[nodiscard]] double stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
                                    double horizon, bool with_dashpots) const;
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
+#include "coupler/conditioned_infill.h"
 #include "coupler/settled_packing.h"
 #include "fe_carpet/mesh_import.h"
 
@@ -18,20 +20,10 @@ FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
 }
 
-/// The tray and some room above it. Infill that leaves it has left the turf.
-sph::TurfBox turf_box(const Scene& scene) {
-  constexpr double margin = 0.02;  // m
-  const double x = 0.5 * scene.turf.size[0] + margin, y = 0.5 * scene.turf.size[1] + margin;
-  const double height = std::max(2 * scene.turf.tray_depth, 4 * scene.infill_depth());
-  return {Vec3(-x, -y, -margin), Vec3(x, y, height)};
-}
-
 std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
                                   const sph::Lattice& lattice, const sph::TurfBox& box) {
-  const sph::SphSettings settings{scene.infill.sph, gravity, effect_on(effects, "artificial_viscosity"),
-                                  effect_on(effects, "tension_cutoff"),
-                                  effect_on(effects, "zero_energy_control"),
-                                  scene.numerics.sleep_tolerance, sph::soil_effects_of(effects), box};
+  sph::SphSettings settings = sph_settings(scene, effects);
+  settings.box = box;
   return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 
@@ -48,7 +40,6 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
 
 struct PointContact {
   std::vector<double> stiffness, damping_ratio;
-  std::vector<NormalSpring> body_spring;
   std::vector<FrictionLaw> fibre_friction, body_friction;
 };
 
@@ -63,10 +54,6 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
         scene.infill.approach == Approach::sph
             ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
             : dem_contact_stiffness(material, radius));
-    result.body_spring.push_back(
-        scene.infill.approach == Approach::sph && scene.numerics.body_contact == BodyContactKind::half_row
-            ? half_row_spring(material, scene.numerics, radius, sph::soil_effects_of(effects))
-            : NormalSpring{result.stiffness.back()});
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -82,11 +69,40 @@ std::vector<double> node_radii(const fe::ShellMesh& mesh) {
   return radius;
 }
 
+/// Just above all particles and nodes, m.
+double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::span<const double> node_radius) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    top = std::max(top, particles.z[i] + particles.radius[i]);
+  for (std::size_t n = 0; n < nodes.z.size(); ++n) top = std::max(top, nodes.z[n] + node_radius[n]);
+  constexpr double clearance = 1e-4;
+  return top + clearance;
+}
+
 double smallest(std::span<const double> values) {
   return *std::min_element(values.begin(), values.end());
 }
 
 }  // namespace
+
+std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                       const ParticleView& particles, bool rigid) {
+  const sph::SoilEffects soil_effects = sph::soil_effects_of(effects);
+  const bool half_rows = scene.infill.approach == Approach::sph && !rigid &&
+                         scene.numerics.body_contact == BodyContactKind::half_row;
+  std::vector<NormalSpring> springs;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
+    const double radius = particles.radius[i];
+    if (half_rows)
+      springs.push_back(half_row_spring(material, scene.numerics, radius, soil_effects));
+    else if (scene.infill.approach == Approach::sph)
+      springs.push_back({sph_contact_stiffness(material, scene.numerics, radius, soil_effects)});
+    else
+      springs.push_back({dem_contact_stiffness(material, radius)});
+  }
+  return springs;
+}
 
 double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius,
                              const sph::SoilEffects& effects) {
@@ -103,7 +119,8 @@ NormalSpring half_row_spring(const Material& material, const Numerics& numerics,
   if (material.contact_modulus > 0) return {material.contact_modulus * area / radius};
   const double pressure = numerics.contact_pressure,
                modulus = sph::constrained_modulus(*material.continuum, 0, effects),
-               growth = (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
+               growth =
+                   (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
   NormalSpring spring{modulus * area / radius};
   if (!(growth > 0)) return spring;
   spring.stiffening = growth / radius;
@@ -161,10 +178,14 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.node_radius = node_radii(mesh);
 
   if (scene.infill.approach == Approach::sph) {
-    const sph::LatticeBox box{scene.turf.size, scene.turf.carpet.backing_thickness};
-    parts.infill =
-        build_sph(scene, request.effects, sph::make_lattice(scene.turf, box, scene.infill.sph.pitch),
-                  turf_box(scene));
+    const sph::Lattice lattice = scene_lattice(scene);
+    if (request.before_conditioning) {
+      auto spheres = build_spheres(scene, request.effects, lattice);
+      built.spheres = spheres.get();
+      parts.infill = std::move(spheres);
+    } else {
+      parts.infill = build_sph(scene, request.effects, lattice, turf_box(scene));
+    }
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
     parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
@@ -191,11 +212,16 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
 
   const ParticleView particles = parts.infill->particles();
+  if (scene.conditioning.on()) {
+    built.plate = parts.bodies.size();
+    parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+  }
   const PointContact contact = particle_contact(scene, request.effects, particles);
   parts.particle_shell.stiffness = contact.stiffness;
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
-  parts.particle_body = {contact.body_spring, contact.damping_ratio, contact.body_friction};
+  parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
+                         contact.damping_ratio, contact.body_friction};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)
@@ -217,7 +243,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   }
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = effect_on(request.effects, "overlap_release");
-  parts.time = -scene.numerics.settle_time;
+  parts.time = request.start_time;
   built.simulation = std::make_unique<Simulation>(std::move(parts));
   return built;
 }

@@ -11,6 +11,7 @@
 #include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_effects.h"
 #include "sph_infill/sph_infill.h"
+#include "sph_infill/sphere_infill.h"
 
 namespace tuft::coupler {
 
@@ -19,6 +20,9 @@ struct BuildRequest {
   std::vector<EffectDecision> effects;
   std::vector<RigidBody> rig_bodies;  ///< appended to the tray's
   double energy_scale = 0;            ///< J
+  double start_time = 0;              ///< s, of the simulation: negative, for the rig is released at 0
+  /// SPH with conditioning: spheres in place of the continuum, which takes over from them later.
+  bool before_conditioning = false;
   /// Grains at rest, for DEM; empty: they are packed and settled (or taken from the cache).
   const dem::Grains* grains = nullptr;
   std::function<void(const std::string& stage, double done)> on_progress;  ///< while packing; done in [0, 1]
@@ -26,8 +30,10 @@ struct BuildRequest {
 
 struct BuiltSimulation {
   std::unique_ptr<Simulation> simulation;
-  const dem::DemInfill* dem = nullptr;  ///< the simulation's infill when it is DEM
+  const dem::DemInfill* dem = nullptr;   ///< the simulation's infill when it is DEM
+  sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
+  std::size_t plate = 0;  ///< body of conditioning, behind the rig's; 0: the scene has none
   double packing_seconds = 0;
   bool packing_from_cache = false;
 };
@@ -58,10 +64,16 @@ struct SpecimenRequest {
 /// What the user should know of the mesh file that the carpet comes from; empty for a generated carpet.
 [[nodiscard]] std::vector<std::string> carpet_mesh_notes(const Scene& scene);
 
+/// The springs with which particles press bodies. rigid: of spheres in place of the continuum.
+[[nodiscard]] std::vector<NormalSpring> body_springs(const Scene& scene,
+                                                     const std::vector<EffectDecision>& effects,
+                                                     const ParticleView& particles, bool rigid);
+
 /// What an SPH particle presses bodies with where numerics.body_contact is half_row: the infill between its
-/// centre and its face, half a row of thickness r and area (2 r)^2, compressed elastically under the contact's
-/// stress, dF/dD = M(F/(2r)^2) (2r)^2/r. M, the constrained modulus, is taken as straight from no pressure to
-/// numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M where given.
+/// centre and its face, half a row of thickness r and area (2 r)^2, compressed elastically under the
+/// contact's stress, dF/dD = M(F/(2r)^2) (2r)^2/r. M, the constrained modulus, is taken as straight from no
+/// pressure to numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M
+/// where given.
 [[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
                                            const sph::SoilEffects& effects = {});
 

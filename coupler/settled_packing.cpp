@@ -135,6 +135,7 @@ dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>&
   // Non-finite values and lost grains still stop it.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
   still.numerics.settle_time = 0;
+  still.conditioning = {};
   BuildRequest request;
   request.scene = &still;
   request.effects = effects;

@@ -77,6 +77,28 @@ void Simulation::release_body(std::size_t index, const Vec3& position, const Vec
   reference_.valid = false;
 }
 
+void Simulation::remove_body(std::size_t index) {
+  RigidBody& body = parts_.bodies.at(index);
+  if (!body.is_fixed()) throw_run_error("body {} has momentum and cannot be taken away", body.name);
+  const auto number = static_cast<Index>(index);
+  particle_body_.let_go(number, contact_view(), parts_.bodies, release_at(time_));
+  if (has_carpet())
+    node_body_.let_go(number, node_points(parts_.carpet->nodes()), parts_.bodies, release_at(time_));
+  body.present = false;
+  body.velocity = body.drive = Vec3::Zero();
+  reference_.valid = false;
+}
+
+void Simulation::replace_infill(std::unique_ptr<Infill> infill, std::vector<NormalSpring> body_springs) {
+  const std::size_t before = parts_.infill->particles().size(), now = infill->particles().size();
+  if (before != now) throw_run_error("infill of {} particles cannot take the place of {}", now, before);
+  parts_.infill = std::move(infill);
+  particle_body_.replace_springs(std::move(body_springs), parts_.infill->particles(), parts_.bodies,
+                                 release_at(time_));
+  windowed_ = false;  // contact's view goes back from a little ahead to where the particles are
+  reference_.valid = false;
+}
+
 void Simulation::drive_body(std::size_t index, const Vec3& velocity) {
   RigidBody& body = parts_.bodies.at(index);
   if (!body.driven) throw_run_error("body {} is not driven", body.name);
@@ -375,7 +397,8 @@ double Simulation::carpet_balance() const {
 
 double Simulation::infill_balance() const {
   const InfillEnergy e = parts_.infill->energy();
-  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled - e.contact_work;
+  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled + e.let_go -
+         e.contact_work;
 }
 
 Simulation::Residuals Simulation::residuals() const {
@@ -403,6 +426,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.gravity_potential += infill.gravity_potential + body_potential_;
   terms.damping += infill.damping + body_damping_;
   terms.expelled = infill.expelled;
+  terms.conditioning = infill.let_go;
   // Between the parts contact is no work from outside; what it has released is.
   terms.external_work = external_work_ + contact.released;
   return terms;

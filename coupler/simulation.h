@@ -50,6 +50,13 @@ class Simulation {
   /// Puts a body into the simulation at a place and speed; its energy enters the ledger as external work.
   void release_body(std::size_t body, const Vec3& position, const Vec3& velocity);
 
+  /// Takes a body out. Springs of contact with it are let go: what they hold is booked as lost.
+  void remove_body(std::size_t body);
+  /// Another infill goes on with the same particles (conditioning): as many, where they are, with the same
+  /// contact radii and the sums of energy so far. Contact goes on unchanged. Throws RunError when their
+  /// number differs.
+  void replace_infill(std::unique_ptr<Infill> infill, std::vector<NormalSpring> body_springs);
+
   /// Moves a driven body at this velocity (m/s) from the next window on.
   void drive_body(std::size_t body, const Vec3& velocity);
   /// Loads a body of finite mass with this force (N) from the next window on.
@@ -135,7 +142,7 @@ class Simulation {
   } reference_;
 
   std::uint64_t expelled_ = 0;  ///< particles of the infill that contact knows to have left
-  std::size_t eroded_ = 0;  ///< elements of the carpet that contact knows to have failed
+  std::size_t eroded_ = 0;      ///< elements of the carpet that contact knows to have failed
   bool carpet_frozen_ = false;
   Vec3 infill_acceleration_{0, 0, 0};
   double time_ = 0, start_time_ = 0;

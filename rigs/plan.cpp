@@ -64,16 +64,17 @@ GrainEstimate estimate_grains(const Scene& scene) {
   return estimate;
 }
 
-void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene,
-                const Schedule& schedule) {
-  const coupler::StepPlan steps = coupler::plan_steps(stable, scene.numerics.step_safety,
-                                                      scene.numerics.coupling_window, schedule.interval);
+/// intervals: how many are stepped so.
+void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene, double interval,
+                std::uint64_t intervals) {
+  const coupler::StepPlan steps =
+      coupler::plan_steps(stable, scene.numerics.step_safety, scene.numerics.coupling_window, interval);
   plan.window = steps.window;
   plan.carpet_substeps = steps.carpet_substeps;
   plan.infill_substeps = steps.infill_substeps;
   plan.carpet_step = steps.window / steps.carpet_substeps;
   plan.infill_step = steps.window / steps.infill_substeps;
-  plan.windows = static_cast<std::uint64_t>(steps.windows) * schedule.end;
+  plan.windows += static_cast<std::uint64_t>(steps.windows) * intervals;
   plan.carpet_subcycle = steps.carpet_subcycle;
 }
 
@@ -94,25 +95,46 @@ void remark_on_mass_scaling(RunPlan& plan, const fe::MassScaling& scaling) {
                   1e6 * scaling.step_before, 1e6 * scaling.step_after));
 }
 
+/// Wall time of an interval, s, from the real loops over the first ones.
+double time_intervals(const Scene& scene, RunState& state) {
+  coupler::Simulation& simulation = state.simulation();
+  simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
+  simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
+  const auto start = std::chrono::steady_clock::now();
+  constexpr int timed = 3;
+  for (int i = 0; i < timed; ++i) simulation.advance_interval(state.schedule.interval);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed;
+}
+
+/// What conditioning adds: its spheres have steps and a speed of their own.
+void plan_conditioning(RunPlan& plan, const Scene& scene) {
+  RunState state = make_run_state(scene, nullptr, 0, {});
+  const std::uint64_t intervals = state.schedule.conditioned();
+  take_steps(plan, state.simulation().stable_steps(), scene, state.schedule.interval, intervals);
+  const std::uint64_t windows = plan.windows;
+  const double wall = time_intervals(scene, state) * static_cast<double>(intervals);
+  plan.predicted_wall_s += wall;
+  plan.remarks.push_back(fmt::format(
+      "conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres "
+      "in each, about {:.3g} s (conditioning.press_time sets most of it)",
+      1e3 * static_cast<double>(intervals) * state.schedule.interval, windows, plan.infill_substeps, wall));
+}
+
 /// Builds the run and times its real loops over the first intervals.
 void plan_by_running(RunPlan& plan, const Scene& scene) {
-  RunState state = make_run_state(scene, nullptr, {});
-  coupler::Simulation& simulation = state.simulation();
+  if (scene.conditioning.on()) plan_conditioning(plan, scene);
+  const Schedule schedule = make_schedule(scene);
+  RunState state = make_run_state(scene, nullptr, schedule.conditioned() + 1, {});
+  const coupler::Simulation& simulation = state.simulation();
   const fe::Carpet& carpet = simulation.carpet();
   plan.particles = simulation.infill().particles().size();
   plan.shells = carpet.mesh().quads.size();
   plan.nodes = carpet.nodes().x.size();
   remark_on_mass_scaling(plan, carpet.mass_scaling());
   take_group_steps(plan, carpet, scene.numerics.step_safety);
-  take_steps(plan, simulation.stable_steps(state.schedule.interval), scene, state.schedule);
-  simulation.set_damping(scene.numerics.settle_damping, scene.numerics.settle_damping);
-  simulation.advance_interval(state.schedule.interval);  // caches warm, lists built
-  const auto start = std::chrono::steady_clock::now();
-  constexpr int timed = 3;
-  for (int i = 0; i < timed; ++i) simulation.advance_interval(state.schedule.interval);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed;
-  plan.predicted_wall_s = seconds * static_cast<double>(state.schedule.end);
+  const std::uint64_t intervals = schedule.end - schedule.conditioned();
+  take_steps(plan, simulation.stable_steps(schedule.interval), scene, schedule.interval, intervals);
+  plan.predicted_wall_s += time_intervals(scene, state) * static_cast<double>(intervals);
   plan.predicted_memory_bytes = peak_memory_bytes(0);
   const auto& shell = simulation.particle_shell();
   if (shell.initial_overlap().pairs > 0)
@@ -139,8 +161,9 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   take_group_steps(plan, carpet, scene.numerics.step_safety);
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);
+  const Schedule schedule = make_schedule(scene);
   take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step, carpet.subcycle_ratio()},
-             scene, make_schedule(scene));
+             scene, schedule.interval, schedule.end);
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
   const double windows = static_cast<double>(plan.windows);

@@ -37,15 +37,28 @@ std::vector<coupler::RecordedColumn> finished_columns(const Rig& rig) {
   return columns;
 }
 
+/// What the bridge has counted since this program began, s.
+struct HostSeconds {
+  double exchange = 0, waiting = 0;
+};
+
+HostSeconds host_seconds(const coupler::BuiltSimulation& built) {
+  if (built.dem == nullptr) return {};
+  return {built.dem->exchange_seconds(), built.dem->waiting_seconds()};
+}
+
 /// Wall time by phase. DEM: the window's time is split into LIGGGHTS' own steps (infill), what the bridge
 /// copies and signals (exchange), and the rest of the wait for the other process (waiting).
+/// `conditioning`: of both, what belongs to conditioning.
 std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
-                                            const coupler::BuiltSimulation& built) {
+                                            const coupler::BuiltSimulation& built,
+                                            const HostSeconds& conditioning) {
   std::map<std::string, double> cost = phase_seconds(simulation.timers());
   if (built.dem != nullptr) {
     const double window = cost["infill"];
-    cost["exchange"] = built.dem->exchange_seconds();
-    cost["infill"] = std::min(window, built.dem->waiting_seconds());
+    const HostSeconds now = host_seconds(built);
+    cost["exchange"] = now.exchange - conditioning.exchange;
+    cost["infill"] = std::min(window, now.waiting - conditioning.waiting);
     cost["waiting"] = std::max(0.0, window - cost["infill"] - cost["exchange"]);
   }
   return cost;
@@ -74,14 +87,15 @@ class Runner {
     const Scene& scene = request_.scene;
     std::optional<dem::Grains> grains;
     if (request_.resume) grains = read_checkpoint_grains(file("checkpoint.h5"), scene);
-    state_ = make_run_state(scene, grains ? &*grains : nullptr,
+    const std::uint64_t index = request_.resume ? read_checkpoint_index(file("checkpoint.h5"), scene) : 0;
+    state_ = make_run_state(scene, grains ? &*grains : nullptr, index,
                             [&](const std::string& stage, double done) { report_progress(stage, 0, done); });
     if (request_.resume) {
       const CheckpointRest rest = read_checkpoint(file("checkpoint.h5"), scene, state_);
       before_ = rest.spent;
       recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), state_.simulation(), rest.rows,
                                                   rig_columns(*state_.rig)));
-      if (state_.index >= state_.schedule.settle)
+      if (state_.index >= state_.schedule.release())
         set_drop_damping();
       else
         set_settle_damping();
@@ -109,18 +123,22 @@ class Runner {
     first_index_ = state_.index;
     if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
     int checkpoints = 0;
+    count_steps();
     while (state_.index < schedule.end) {
-      if (state_.index == schedule.settle) {
+      if (state_.compaction && state_.index <= schedule.conditioned()) condition();
+      if (state_.index == schedule.release()) {
         set_drop_damping();
         const Turf& turf = request_.scene.turf;
         state_.layer_tops = coupler::layer_tops(simulation.infill().particles(), turf.size,
                                                 turf.carpet.backing_thickness, turf.layers.size());
+        if (state_.compaction) state_.compaction->note_release(state_.built);
         state_.rig->release(simulation);
       }
       simulation.advance_interval(schedule.interval);
       ++state_.index;
       const double time = schedule.time(state_.index);
       simulation.set_time(time);  // no drift: the grid's own value
+      if (state_.compaction) state_.compaction->after_interval(state_.index, state_.built);
       state_.rig->sample(simulation, time - 0.5 * schedule.interval, schedule.interval);
       record(time);
       const bool last = state_.index == schedule.end;
@@ -130,7 +148,7 @@ class Runner {
         checkpoint();
         if (due) ++checkpoints;
       }
-      report_progress(state_.index <= schedule.settle ? "settling" : "drop", time, -1);
+      report_progress(stage(), time, -1);
       if (!last &&
           (stop || (request_.stop_after_checkpoints > 0 && checkpoints >= request_.stop_after_checkpoints))) {
         summary_.status = "stopped";
@@ -140,9 +158,35 @@ class Runner {
     summary_.status = "completed";
   }
 
+  [[nodiscard]] std::string stage() const {
+    if (state_.compaction)
+      if (std::string name = state_.compaction->stage(state_.index); !name.empty()) return name;
+    return state_.index <= state_.schedule.release() ? "settling" : "drop";
+  }
+
+  /// Steps up to the end of conditioning are what conditioning costs.
+  void count_steps() {
+    const bool conditioning = state_.index < state_.schedule.conditioned();
+    state_.simulation().timers().count_steps_as(conditioning ? std::optional(Phase::conditioning)
+                                                             : std::nullopt);
+  }
+
+  /// What conditioning has to do before the next interval.
+  void condition() {
+    {
+      const ScopedPhase phase(state_.simulation().timers(), Phase::conditioning);
+      state_.compaction->before_interval(state_.index, state_.effects, state_.built);
+    }
+    if (state_.index < state_.schedule.conditioned()) return;
+    conditioning_ = host_seconds(state_.built);
+    count_steps();
+  }
+
   /// Wall time by phase, what was spent before a resume included.
   [[nodiscard]] std::map<std::string, double> cost() {
-    std::map<std::string, double> total = cost_by_phase(state_.simulation(), state_.built);
+    const bool conditioning = state_.index < state_.schedule.conditioned();
+    std::map<std::string, double> total = cost_by_phase(
+        state_.simulation(), state_.built, conditioning ? host_seconds(state_.built) : conditioning_);
     for (const auto& [phase, seconds] : before_.cost) total[phase] += seconds;
     return total;
   }
@@ -151,7 +195,11 @@ class Runner {
     coupler::Simulation& simulation = state_.simulation();
     const ScopedPhase phase(simulation.timers(), Phase::record);
     recorder_->record_history(time, state_.rig->row(), simulation.ledger());
-    if (state_.index % state_.schedule.frame_every == 0 || state_.index == state_.schedule.end) {
+    const bool conditioning = state_.index < state_.schedule.conditioned();
+    const std::uint64_t every =
+        conditioning ? state_.schedule.conditioning_frame_every : state_.schedule.frame_every;
+    if (state_.index % every == 0 || state_.index == state_.schedule.conditioned() ||
+        state_.index == state_.schedule.end) {
       recorder_->record_frame(time, simulation);
       recorder_->record_cost(time, cost());
     }
@@ -219,6 +267,7 @@ class Runner {
   std::optional<coupler::Recorder> recorder_;
   bool built_ = false;
   SpentSoFar before_;
+  HostSeconds conditioning_;
   std::uint64_t first_index_ = 0;
   Clock::time_point start_ = Clock::now(), loop_start_ = start_;
   std::optional<Clock::time_point> last_report_;
@@ -238,8 +287,10 @@ void Runner::measure() {
   const double infill_seconds = summary_.cost["infill"], carpet_seconds = summary_.cost["carpet"];
   if (infill_seconds > 0)
     summary_.particle_steps_per_s = static_cast<double>(infill.particle_steps()) / infill_seconds;
+  const std::uint64_t conditioning_steps = state_.compaction ? state_.compaction->element_steps() : 0;
   if (carpet_seconds > 0)
-    summary_.element_steps_per_s = static_cast<double>(simulation.carpet().element_steps()) / carpet_seconds;
+    summary_.element_steps_per_s =
+        static_cast<double>(simulation.carpet().element_steps() - conditioning_steps) / carpet_seconds;
   summary_.peak_memory_bytes =
       peak_memory_bytes(state_.built.dem != nullptr ? state_.built.dem->host_process() : 0);
 
@@ -287,6 +338,7 @@ void Runner::measure() {
   for (std::size_t i = 0; i < state_.layer_tops.size(); ++i)
     notes[fmt::format("layer_{}_{}_depth", i + 1, request_.scene.materials.at(layers[i].material).name)] = {
         state_.layer_tops[i] - (i > 0 ? state_.layer_tops[i - 1] : 0), "m"};
+  if (state_.compaction) notes.merge(state_.compaction->notes());
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};

@@ -13,7 +13,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 4;
+constexpr std::uint64_t checkpoint_format = 5;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
@@ -54,15 +54,24 @@ std::string physics_hash(const Scene& scene) {
 Schedule make_schedule(const Scene& scene) {
   Schedule s;
   s.interval = scene.output.histories;
+  const auto at_least_one = [&](double duration) {
+    return std::max<std::uint64_t>(1, intervals_in(duration, s.interval));
+  };
+  const Conditioning& conditioning = scene.conditioning;
+  if (conditioning.on()) {
+    s.press = at_least_one(conditioning.press_time);
+    s.lift = at_least_one(conditioning.lift_time);
+    s.rest = intervals_in(conditioning.settle_time, s.interval);
+    s.conditioning_frame_every = at_least_one(conditioning.frames);
+  }
   s.settle = intervals_in(scene.numerics.settle_time, s.interval);
-  s.end = s.settle + std::max<std::uint64_t>(1, intervals_in(scene.info.duration, s.interval));
-  s.frame_every = std::max<std::uint64_t>(1, intervals_in(scene.output.frames, s.interval));
-  if (scene.output.checkpoint_every > 0)
-    s.checkpoint_every = std::max<std::uint64_t>(1, intervals_in(scene.output.checkpoint_every, s.interval));
+  s.end = s.release() + at_least_one(scene.info.duration);
+  s.frame_every = at_least_one(scene.output.frames);
+  if (scene.output.checkpoint_every > 0) s.checkpoint_every = at_least_one(scene.output.checkpoint_every);
   return s;
 }
 
-RunState make_run_state(const Scene& scene, const dem::Grains* grains,
+RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
                         const std::function<void(const std::string&, double)>& on_progress) {
   RunState state;
   state.schedule = make_schedule(scene);
@@ -75,9 +84,14 @@ RunState make_run_state(const Scene& scene, const dem::Grains* grains,
   request.energy_scale = state.rig->energy_scale();
   request.grains = grains;
   request.on_progress = on_progress;
+  const bool conditioned = scene.conditioning.on();
+  request.start_time = conditioned ? state.schedule.time(0) : -scene.numerics.settle_time;
+  // A checkpoint taken where conditioning ends is from before the switch.
+  request.before_conditioning = conditioned && index <= state.schedule.conditioned();
   state.built = coupler::build_simulation(request);
   state.rig->set_first_body(state.built.first_rig_body);
   state.simulation().set_time(state.schedule.time(0));
+  if (conditioned) state.compaction.emplace(scene, state.schedule, state.built);
   return state;
 }
 
@@ -89,6 +103,10 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
   root.write_string("scene_hash", physics_hash(scene));
   root.write_scalar("index", state.index);
   root.write("layer_tops", std::span<const double>(state.layer_tops));
+  if (state.compaction) {
+    h5::Group compaction = root.create_group("compaction");
+    state.compaction->save(compaction);
+  }
   h5::Group spent_group = root.create_group("spent");
   spent_group.write_scalar("wall", spent.wall);
   for (const auto& [phase, seconds] : spent.cost) spent_group.write_scalar(phase, seconds);
@@ -119,6 +137,16 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
   file.commit();
 }
 
+std::uint64_t read_checkpoint_index(const std::filesystem::path& path, const Scene& scene) {
+  const h5::File file = open_checkpoint(path, scene);
+  try {
+    return file.root().read_count("index");
+  } catch (const RunError& error) {
+    throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
+                      path.string(), error.what());
+  }
+}
+
 std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path, const Scene& scene) {
   const h5::File file = open_checkpoint(path, scene);
   if (!file.root().has("grains")) return std::nullopt;
@@ -145,6 +173,7 @@ CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& s
   try {
     state.index = root.read_count("index");
     state.layer_tops = root.read_doubles("layer_tops");
+    if (state.compaction) state.compaction->load(root.open_group("compaction"));
     const h5::Group spent_group = root.open_group("spent");
     rest.spent.wall = spent_group.read_double("wall");
     for (const auto phase : phase_names) rest.spent.cost[std::string(phase)] = spent_group.read_double(phase);

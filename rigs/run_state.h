@@ -11,28 +11,15 @@
 
 #include "coupler/build_simulation.h"
 #include "coupler/recorder.h"
+#include "rigs/compaction.h"
 #include "rigs/rig.h"
+#include "rigs/schedule.h"
 
 namespace tuft::rigs {
 
 /// What makes two runs continue each other. Where results go and how often they are saved may differ; physics
 /// may not.
 [[nodiscard]] std::string physics_hash(const Scene& scene);
-
-/// Everything is scheduled on a grid of output.histories: settling, drop, frames and checkpoints are whole
-/// numbers of its intervals, so that times do not drift and a resumed run meets the same instants.
-struct Schedule {
-  double interval = 0;       ///< s
-  std::uint64_t settle = 0;  ///< intervals before release
-  std::uint64_t end = 0;     ///< intervals in all
-  std::uint64_t frame_every = 1;
-  std::uint64_t checkpoint_every = 0;  ///< 0: only at the end and on interruption
-
-  [[nodiscard]] double time(std::uint64_t index) const {
-    return (static_cast<double>(index) - static_cast<double>(settle)) * interval;
-  }
-};
-[[nodiscard]] Schedule make_schedule(const Scene& scene);
 
 struct RunState {
   Schedule schedule;
@@ -42,11 +29,14 @@ struct RunState {
   std::uint64_t index = 0;         ///< intervals done
   std::vector<double> layer_tops;  ///< m above the backing, when the rig was released; empty before
 
+  std::optional<Compaction> compaction;  ///< of a scene with conditioning
+
   [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }
 };
 
-/// Builds what a scene asks for. `grains`: see BuildRequest.
-[[nodiscard]] RunState make_run_state(const Scene& scene, const dem::Grains* grains,
+/// Builds what a scene asks for. `grains`: see BuildRequest. index: where the run will go on, for SPH infill
+/// that is not yet conditioned is made of spheres.
+[[nodiscard]] RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
                                       const std::function<void(const std::string&, double)>& on_progress);
 
 /// Time spent up to a checkpoint, so that a resumed run tells the cost of the whole.
@@ -58,6 +48,9 @@ struct SpentSoFar {
 /// checkpoint.h5: state, the rows recorded so far, and the hash of the scene it belongs to.
 void write_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state,
                       const std::map<std::string, std::uint64_t>& rows, const SpentSoFar& spent);
+
+/// Intervals that a checkpoint's run had done. Throws InputError as read_checkpoint.
+[[nodiscard]] std::uint64_t read_checkpoint_index(const std::filesystem::path& path, const Scene& scene);
 
 struct CheckpointRest {
   std::map<std::string, std::uint64_t> rows;

@@ -42,6 +42,7 @@ void visit_numbers(ImplType& m, Visit&& visit) {
   visit("expelled_momentum_y", m.expelled.momentum.y());
   visit("expelled_momentum_z", m.expelled.momentum.z());
   visit("expelled_kinetic_energy", m.expelled.kinetic_energy);
+  visit("energy_let_go", m.energy.let_go);
   visit("pending_viscous", m.pending.viscous);
   visit("pending_damping", m.pending.damping);
   visit("pending_contact", m.pending.contact);
@@ -79,6 +80,10 @@ void SphInfill::save(h5::Group& group) {
   visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
   group.write("expelled", std::vector<double>(m.expelled_index.begin(), m.expelled_index.end()));
+  if (m.took_over) {
+    group.write("reference_volume", m.particles.reference_volume);
+    group.write_scalar("loosest_started", m.loosest_started);
+  }
   if (m.sleep.enabled()) m.save_sleep(group);
 }
 
@@ -121,6 +126,11 @@ void SphInfill::load(const h5::Group& group) {
               [&](const char* name, std::vector<double>& values) { values = read_array(group, name, n); });
   visit_numbers(m, [&](const char* name, double& value) { value = group.read_double(name); });
   m.particle_steps = group.read_count("particle_steps");
+  m.took_over = group.has("reference_volume");
+  if (m.took_over) {
+    m.particles.reference_volume = read_array(group, "reference_volume", n);
+    m.loosest_started = group.read_count("loosest_started");
+  }
   m.particles.record_motion();
   m.expelled.particles = 0;
   for (const double index : group.read_doubles("expelled")) {

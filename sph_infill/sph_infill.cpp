@@ -50,60 +50,110 @@ SoilLaw law_of(const std::vector<Material>& materials, Index index, const SphSet
 SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materials,
                      const SphSettings& settings)
     : impl_(std::make_unique<Impl>()) {
-  check_settings(lattice, settings);
-  Impl& m = *impl_;
-  m.settings.options = settings.options;
-  m.settings.artificial_viscosity = settings.artificial_viscosity;
-  m.settings.soil_effects = settings.soil_effects;
-  m.settings.zero_energy_control = settings.zero_energy_control;
-  m.settings.step_limit =
-      make_step_limit(settings.options, settings.artificial_viscosity, settings.zero_energy_control);
-  m.gravity = settings.gravity;
-  m.box = settings.box;
+  impl_->set_up(lattice, materials, settings);
+  impl_->begin(lattice.pitch, settings.sleep_tolerance);
+}
 
-  Particles& p = m.particles;
+SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materials,
+                     const SphSettings& settings, const CompactedBed& bed, ConditionedState state)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->set_up(lattice, materials, settings);
+  try {
+    impl_->take_over(bed, state);
+  } catch (const InputError& error) {
+    throw_input_error("conditioning: {}, or set conditioning.state = \"initial\"", error.what());
+  }
+  impl_->begin(lattice.pitch, settings.sleep_tolerance);
+}
+
+void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>& materials,
+                             const SphSettings& given) {
+  check_settings(lattice, given);
+  settings.options = given.options;
+  settings.artificial_viscosity = given.artificial_viscosity;
+  settings.soil_effects = given.soil_effects;
+  settings.zero_energy_control = given.zero_energy_control;
+  settings.step_limit = make_step_limit(given.options, given.artificial_viscosity, given.zero_energy_control);
+  gravity = given.gravity;
+  box = given.box;
+
+  Particles& p = particles;
   const std::size_t n = lattice.position.size();
   p.assign(n);
-  if (settings.zero_energy_control) p.residual.assign(n, {});
+  if (given.zero_energy_control) p.residual.assign(n, {});
   p.position = lattice.position;
-  if (settings.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
+  if (given.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
   p.volume = lattice.volume;
   p.layer = lattice.layer;
   p.material = lattice.material;
 
-  m.settings.laws.resize(materials.size());
+  settings.laws.resize(materials.size());
   std::vector<bool> known(materials.size(), false);
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(p.material[i]);
     if (k >= known.size() || !known[k]) {
-      SoilLaw law = law_of(materials, p.material[i], settings);
-      m.settings.laws[k] = std::move(law);
+      SoilLaw law = law_of(materials, p.material[i], given);
+      settings.laws[k] = std::move(law);
       known[k] = true;
     }
-    const SoilLaw& law = m.settings.laws[k];
+    const SoilLaw& law = settings.laws[k];
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
+    p.reference_volume[i] = p.mass[i] / law.density;
     p.radius[i] = lattice.radius.empty() ? 0.5 * std::cbrt(lattice.volume[i]) : lattice.radius[i];
   }
+}
+
+void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start) {
+  Particles& p = particles;
+  const std::size_t n = p.size();
+  if (bed.position.size() != n || bed.velocity.size() != n || bed.density_ratio.size() != n)
+    throw_run_error("SPH infill: a bed of {} particles cannot take the place of {}", bed.position.size(), n);
+  took_over = true;
+  p.position = bed.position;
+  p.velocity = bed.velocity;
+  energy = bed.energy;
+  time = bed.time;
+  damping = bed.damping;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ratio = bed.density_ratio[i];
+    if (!(ratio > smallest_density_ratio && ratio < largest_density_ratio))
+      throw_run_error(
+          "SPH infill: particle {} of a compacted bed has {:.6g} times its density as placed, outside [{}, "
+          "{}]",
+          i, ratio, smallest_density_ratio, largest_density_ratio);
+    const SoilLaw& law = settings.laws[static_cast<std::size_t>(p.material[i])];
+    if (ratio < 1) ++loosest_started;
+    const double reached = std::max(1.0, ratio);
+    const bool hardens = law.modulus_exponent > 0 || law.cohesion_exponent > 0 || law.friction_exponent > 0;
+    if (start == ConditionedState::initial || (start == ConditionedState::automatic && !hardens)) {
+      p.volume[i] = p.reference_volume[i] = p.mass[i] / (law.density * reached);
+      continue;
+    }
+    p.set_soil_state(i, compacted_state(law, std::log(reached)));
+    p.volume[i] = p.reference_volume[i] * std::exp(-p.compression[i]);
+  }
+}
+
+void SphInfill::Impl::begin(double pitch, double sleep_tolerance) {
+  Particles& p = particles;
   p.record_motion();
-  m.stress_blocks.resize(block_count(p));
-  m.kick_blocks.resize(block_count(p));
-  m.drift_blocks.resize(block_count(p));
-  m.list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * lattice.pitch);
-  m.sleep = Sleep(settings.sleep_tolerance, settings.options.smoothing_length, n);
-  m.list.build(p.position);
-  m.note_neighbours();
-  // A step of no length evaluates what depends on the state alone, the stable step among it.
-  m.stable_step = update_stress(m.settings, m.list, 0, p, m.stress_blocks).stable_step;
+  stress_blocks.resize(block_count(p));
+  kick_blocks.resize(block_count(p));
+  drift_blocks.resize(block_count(p));
+  list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * pitch);
+  sleep = Sleep(sleep_tolerance, settings.options.smoothing_length, p.size());
+  list.build(p.position);
+  note_neighbours();
+  stable_step = update_stress(settings, list, 0, p, stress_blocks).stable_step;
 }
 
 SphInfill::~SphInfill() = default;
 
 ParticleView SphInfill::particles() const {
   const Particles& p = impl_->particles;
-  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z,         {},
-          {},           {},           p.radius,     p.mass,       p.layer,      p.material,
-          impl_->expelled_mask};
+  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z,        {}, {},
+          {},           p.radius,     p.mass,       p.layer,      p.material,   impl_->expelled_mask};
 }
 
 double SphInfill::stable_step() const {
@@ -132,6 +182,10 @@ void SphInfill::set_velocity(std::size_t i, const Vec3& v) {
   impl_->particles.velocity.set(i, v);
   impl_->particles.record_motion(i);
   impl_->sleep.wake(i / block_size);
+}
+
+std::size_t SphInfill::loosest_started() const {
+  return impl_->loosest_started;
 }
 
 double SphInfill::mean_neighbours() const {

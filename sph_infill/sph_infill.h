@@ -55,10 +55,25 @@ struct SphSettings {
 [[nodiscard]] double constrained_modulus(const SoilFoamMaterial& material, double pressure,
                                          const SoilEffects& effects = {});
 
+/// Particles that something else has moved to where they are, and compacted, before the continuum takes over.
+struct CompactedBed {
+  Vec3Array position, velocity;       ///< m, m/s, both at `time`
+  std::vector<double> density_ratio;  ///< density reached over that as placed, > 0 (compaction.h)
+  InfillEnergy energy;  ///< J: sums up to now, `let_go` with what a continuum cannot hold; stored is 0
+  double time = 0;      ///< s
+  double damping = 0;   ///< 1/s, as set
+};
+
 class SphInfill final : public Infill {
  public:
   /// materials: Scene::materials; every material index of the lattice must have `continuum`.
   SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
+  /// Takes over a compacted bed: mass, order, layer, material and contact radius are the lattice's, volumes
+  /// are mass over the density reached. Particles less dense than as placed (proud ones, at the surface) get
+  /// the volume they were placed with; `loosest_started` counts them. Throws InputError for a law that
+  /// compaction cannot leave at that density.
+  SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings,
+            const CompactedBed& bed, ConditionedState state);
   ~SphInfill() override;
 
   [[nodiscard]] std::string_view approach() const override { return "sph"; }
@@ -73,8 +88,8 @@ class SphInfill final : public Infill {
   /// its forces (sph_loops.h, KickSums). Stored is the stress work less plastic work, dissipated plastic work
   /// and viscosity.
   [[nodiscard]] InfillEnergy energy() const override;
-  /// A particle is expelled by the step that takes it out of the box: its momentum and kinetic energy leave the
-  /// books of the infill and enter these.
+  /// A particle is expelled by the step that takes it out of the box: its momentum and kinetic energy leave
+  /// the books of the infill and enter these.
   [[nodiscard]] Expelled expelled() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;
@@ -84,6 +99,8 @@ class SphInfill final : public Infill {
   /// For tests and benchmarks: sets a particle's velocity before the first advance.
   void set_velocity(std::size_t i, const Vec3& v);
   [[nodiscard]] double mean_neighbours() const;
+  /// Particles that a compacted bed had looser than as placed, and that started as placed.
+  [[nodiscard]] std::size_t loosest_started() const;
 
  private:
   struct Impl;

@@ -22,18 +22,24 @@ struct SphInfill::Impl {
   double displacement = 0;
   Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
-  InfillEnergy energy;  ///< as of the last force evaluation
+  InfillEnergy energy;     ///< as of the last force evaluation
+  bool took_over = false;  ///< a compacted bed: reference volumes are state
+  std::uint64_t loosest_started = 0;
   /// Works of the part of the last kick that lies after that moment.
   struct {
     double viscous = 0, damping = 0, contact = 0, holding = 0;
   } pending;
   Expelled expelled;
-  std::vector<Index> expelled_index;           ///< in the order in which they left
-  std::vector<std::uint8_t> expelled_mask;     ///< by particle; empty: none
+  std::vector<Index> expelled_index;        ///< in the order in which they left
+  std::vector<std::uint8_t> expelled_mask;  ///< by particle; empty: none
   std::vector<StressSums> stress_blocks;
   std::vector<KickSums> kick_blocks;
   std::vector<DriftCheck> drift_blocks;
 
+  void set_up(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
+  void take_over(const CompactedBed& bed, ConditionedState state);
+  /// Lists neighbours, and evaluates what depends on the state alone, the stable step among it.
+  void begin(double pitch, double sleep_tolerance);
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
   void save_sleep(h5::Group& group) const;
   void load_sleep(const h5::Group& group);

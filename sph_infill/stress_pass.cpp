@@ -146,7 +146,7 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   if (dt > 0) {
     const SoilWorkOf<Pack> work = update_soil_state<on>(law, strain_step_of(velocity_gradient, dt), state);
     const Pack before = volume;
-    volume = load_lanes(p.mass, i, count) / law.value(&SoilLaw::density) * exp(-state.compression);
+    volume = load_lanes(p.reference_volume, i, count) * exp(-state.compression);
     const Pack middle_volume = 0.5 * (before + volume);
     total.work += only(middle_volume * work.total, count);
     total.plastic += only(middle_volume * work.dissipated, count);

@@ -243,6 +243,24 @@ TEST(SceneMistakes, LayersDeeperThanTheTray) {
             "thinner");
 }
 
+TEST(SceneMistakes, ConditioningThatTheInfillCannotTake) {
+  const auto with = [](const std::string& keys) {
+    return complaint_for("[rig]", "[conditioning]\nmethod = \"compaction\"\n" + keys + "\n[rig]");
+  };
+  EXPECT_THAT(with("depth = \"0 mm\""), HasSubstr("conditioning.depth: \"0 mm\": must be above 0 m"));
+  EXPECT_THAT(
+      with("depth = \"60 mm\""),
+      HasSubstr("conditioning.depth: \"60 mm\": the infill is only 50 mm deep; make it less than that"));
+  EXPECT_THAT(with("depth = \"20 mm\""), HasSubstr("at most 13.81 mm can be pressed with "
+                                                   "conditioning.sphere_diameter = 0.96"));
+  // The published volume of 11.87 mm^3 at a pitch of 2 mm.
+  EXPECT_THAT(with("sphere_diameter = 1.415"), HasSubstr("spheres fill 1.5 of the room as placed"));
+  EXPECT_THAT(with("press_time = \"0 s\""), HasSubstr("must be above 0 s"));
+  EXPECT_THAT(with("state = \"loose\""), HasSubstr("\"auto\", \"initial\" or \"compacted\" is needed"));
+  EXPECT_THAT(complaint_for("[rig]", "[conditioning]\nmethod = \"compact\"\n[rig]"),
+              HasSubstr("did you mean \"compaction\"?"));
+}
+
 TEST(SceneMistakes, PatchSmallerThanTheMissile) {
   EXPECT_EQ(complaint_for("\"90 mm\"]", "\"50 mm\"]"),
             "a.toml:5: turf.size.1: \"50 mm\": the patch is smaller than the missile (50 mm wide, 0 mm off "

@@ -51,7 +51,8 @@ TEST(EnergyLedger, EveryTermCounts) {
                            &changed.strain_carpet,   &changed.hourglass,         &changed.eroded,
                            &changed.stored_infill,   &changed.dissipated_infill, &changed.contact_elastic,
                            &changed.contact_damping, &changed.contact_friction,  &changed.gravity_potential,
-                           &changed.damping,         &changed.expelled,          &changed.external_work};
+                           &changed.damping,         &changed.expelled,          &changed.conditioning,
+                           &changed.external_work};
     *all[i] = 1;
     ledger.enter(1, changed, "");
     EXPECT_NEAR(ledger.error(), i + 1 == EnergyTerms::count ? -0.1 : 0.1, 1e-15) << EnergyTerms::names[i];

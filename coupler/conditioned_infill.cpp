@@ -1,0 +1,114 @@
+#include "coupler/conditioned_infill.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/contact_law.h"
+#include "coupler/fastest.h"
+#include "sph_infill/sphere_placing.h"
+
+namespace tuft::coupler {
+namespace {
+
+constexpr double most_overlap = 0.01;  // of the diameter, at numerics.contact_pressure
+
+sph::LatticeBox lattice_box(const Scene& scene) {
+  return {scene.turf.size, scene.turf.carpet.backing_thickness};
+}
+
+/// Mean and standard deviation by layer.
+void measure_densities(const std::vector<double>& ratio, std::span<const Index> layer, std::size_t layers,
+                       SwitchReport& report) {
+  std::vector<double> count(layers, 0), sum(layers, 0), square(layers, 0);
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    const auto k = static_cast<std::size_t>(layer[i]);
+    const double reached = std::max(1.0, ratio[i]);  // what the continuum starts with
+    count[k] += 1, sum[k] += reached, square[k] += reached * reached;
+  }
+  for (std::size_t k = 0; k < layers; ++k) {
+    const double mean = sum[k] / count[k];
+    report.density_mean.push_back(mean);
+    report.density_deviation.push_back(std::sqrt(std::max(0.0, square[k] / count[k] - mean * mean)));
+  }
+}
+
+}  // namespace
+
+sph::Lattice scene_lattice(const Scene& scene) {
+  return sph::make_lattice(scene.turf, lattice_box(scene), scene.infill.sph.pitch);
+}
+
+sph::TurfBox turf_box(const Scene& scene) {
+  constexpr double margin = 0.02;  // m
+  const double x = 0.5 * scene.turf.size[0] + margin, y = 0.5 * scene.turf.size[1] + margin;
+  const double height = std::max(2 * scene.turf.tray_depth, 4 * scene.infill_depth());
+  return {Vec3(-x, -y, -margin), Vec3(x, y, height)};
+}
+
+sph::SphSettings sph_settings(const Scene& scene, const std::vector<EffectDecision>& effects) {
+  return {scene.infill.sph,
+          Vec3(0, 0, -9.81),
+          effect_on(effects, "artificial_viscosity"),
+          effect_on(effects, "tension_cutoff"),
+          effect_on(effects, "zero_energy_control"),
+          scene.numerics.sleep_tolerance,
+          sph::soil_effects_of(effects),
+          turf_box(scene)};
+}
+
+RigidBody conditioning_plate(double height) {
+  RigidBody plate;
+  plate.name = plate_name;
+  plate.shape = HalfSpace{Vec3(0, 0, -1)};
+  plate.position = Vec3(0, 0, height);
+  plate.driven = true;
+  return plate;
+}
+
+double pressed_height(const Scene& scene) {
+  return scene.turf.carpet.backing_thickness + scene.infill_depth() - scene.conditioning.depth;
+}
+
+std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
+                                                 const std::vector<EffectDecision>& effects,
+                                                 const sph::Lattice& lattice) {
+  sph::SphereSettings settings;
+  const sph::SphSettings continuum = sph_settings(scene, effects);
+  settings.options = continuum.options;
+  settings.gravity = continuum.gravity;
+  settings.diameter_ratio = scene.conditioning.sphere_diameter;
+  settings.modulus = scene.numerics.contact_pressure / most_overlap;
+  settings.friction = scene.conditioning.sphere_friction;
+  const bool damped = effect_on(effects, "contact_damping");
+  for (const Material& material : scene.materials)
+    settings.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+  settings.lost_strength = continuum.soil_effects.strength_softening;
+
+  sph::PlacingRequest placing;
+  placing.sphere_radius = sph::sphere_radii(lattice, settings.diameter_ratio);
+  placing.wall_radius = lattice.radius.empty() ? sph::sphere_radii(lattice, 1) : lattice.radius;
+  placing.box = lattice_box(scene);
+  placing.seed = scene.numerics.seed;
+  return std::make_unique<sph::SphereInfill>(lattice, scene.materials,
+                                             sph::place_spheres(lattice, placing).position, settings);
+}
+
+std::unique_ptr<Infill> take_over(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                  sph::SphereInfill& spheres, SwitchReport& report) {
+  const sph::CompactedBed bed = spheres.hand_over();
+  report.kinetic = bed.energy.kinetic;
+  report.let_go = bed.energy.let_go;
+  report.fastest = fastest(bed.velocity.x, bed.velocity.y, bed.velocity.z);
+  report.largest_overlap = spheres.largest_overlap();
+  measure_densities(bed.density_ratio, spheres.particles().layer, scene.turf.layers.size(), report);
+  const sph::Lattice lattice = scene_lattice(scene);
+  for (std::size_t i = 0; i < lattice.volume.size(); ++i)
+    report.volume += lattice.volume[i] / std::max(1.0, bed.density_ratio[i]);
+  auto continuum = std::make_unique<sph::SphInfill>(lattice, scene.materials, sph_settings(scene, effects),
+                                                    bed, scene.conditioning.state);
+  report.started_as_placed =
+      static_cast<double>(continuum->loosest_started()) / static_cast<double>(bed.density_ratio.size());
+  return continuum;
+}
+
+}  // namespace tuft::coupler

@@ -1,0 +1,157 @@
+#include "rigs/compaction.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/fastest.h"
+#include "coupler/layer_depth.h"
+
+namespace tuft::rigs {
+namespace {
+
+double fastest_particle(const coupler::BuiltSimulation& built) {
+  const ParticleView p = std::as_const(*built.simulation).infill().particles();
+  return coupler::fastest(p.vx, p.vy, p.vz);
+}
+
+}  // namespace
+
+double plate_height(double from, double to, std::uint64_t done, std::uint64_t intervals) {
+  if (done >= intervals) return to;
+  const double share = static_cast<double>(done) / static_cast<double>(intervals);
+  return from + (to - from) * 0.5 * (1 - std::cos(std::numbers::pi * share));
+}
+
+Compaction::Compaction(const Scene& scene, const Schedule& schedule, const coupler::BuiltSimulation& built)
+    : scene_(&scene),
+      schedule_(schedule),
+      start_(built.simulation->bodies().at(built.plate).position.z()),
+      pressed_(coupler::pressed_height(scene)),
+      placed_(depths(built)) {}
+
+std::vector<double> Compaction::depths(const coupler::BuiltSimulation& built) const {
+  return coupler::layer_tops(std::as_const(*built.simulation).infill().particles(), scene_->turf.size,
+                             scene_->turf.carpet.backing_thickness, scene_->turf.layers.size());
+}
+
+std::string Compaction::stage(std::uint64_t index) const {
+  if (index <= schedule_.press) return "pressing";
+  if (index <= schedule_.press + schedule_.lift) return "lifting";
+  return index <= schedule_.conditioned() ? "settling" : "";
+}
+
+void Compaction::before_interval(std::uint64_t index, const std::vector<EffectDecision>& effects,
+                                 coupler::BuiltSimulation& built) {
+  coupler::Simulation& simulation = *built.simulation;
+  const std::uint64_t lifted = schedule_.press + schedule_.lift;
+  if (index < lifted) {
+    const auto height = [&](std::uint64_t at) {
+      return at <= schedule_.press ? plate_height(start_, pressed_, at, schedule_.press)
+                                   : plate_height(pressed_, start_, at - schedule_.press, schedule_.lift);
+    };
+    simulation.drive_body(built.plate, Vec3(0, 0, (height(index + 1) - height(index)) / schedule_.interval));
+  }
+  if (index == lifted) simulation.remove_body(built.plate);
+  if (index != schedule_.conditioned()) return;
+  element_steps_ = simulation.carpet().element_steps();
+  switched_ = depths(built);
+  if (built.spheres == nullptr) return;  // grains stay what they are
+  switch_ = {};
+  auto continuum = coupler::take_over(*scene_, effects, *built.spheres, switch_);
+  auto springs = coupler::body_springs(*scene_, effects, continuum->particles(), false);
+  simulation.replace_infill(std::move(continuum), std::move(springs));
+  built.spheres = nullptr;
+  switched_over_ = true;
+}
+
+void Compaction::after_interval(std::uint64_t index, const coupler::BuiltSimulation& built) {
+  if (index > schedule_.conditioned()) return;
+  const double area = scene_->turf.size[0] * scene_->turf.size[1];
+  plate_force_ = built.simulation->interval_impulse()[built.plate].z() / schedule_.interval;
+  largest_pressure_ = std::max(largest_pressure_, plate_force_ / area);
+  if (index == schedule_.press) under_plate_ = depths(built);
+  if (index == schedule_.press + schedule_.lift) lifted_ = depths(built);
+}
+
+void Compaction::note_release(const coupler::BuiltSimulation& built) {
+  released_ = depths(built);
+  settled_speed_ = fastest_particle(built);
+}
+
+std::map<std::string, Quantity> Compaction::notes() const {
+  std::map<std::string, Quantity> notes;
+  const auto depth = [&](const char* name, const std::vector<double>& tops) {
+    if (!tops.empty()) notes[fmt::format("conditioning_depth_{}", name)] = {tops.back(), "m"};
+  };
+  depth("placed", placed_), depth("under_plate", under_plate_), depth("lifted", lifted_);
+  depth("at_switch", switched_), depth("released", released_);
+  if (!released_.empty())
+    notes["conditioning_residual_compaction"] = {scene_->infill_depth() - released_.back(), "m"};
+  notes["conditioning_plate_pressure_largest"] = {largest_pressure_, "Pa"};
+  if (!switched_over_) return notes;
+  notes["conditioning_sphere_overlap_largest"] = {switch_.largest_overlap, "1"};
+  notes["conditioning_kinetic_kept"] = {switch_.kinetic, "J"};
+  notes["conditioning_energy_let_go"] = {switch_.let_go, "J"};
+  notes["conditioning_speed_at_switch"] = {switch_.fastest, "m/s"};
+  if (!released_.empty()) notes["conditioning_speed_at_release"] = {settled_speed_, "m/s"};
+  // Volumes from the kernel's sums over the patch, for comparison with the depth at the switch.
+  notes["conditioning_depth_of_volumes"] = {switch_.volume / (scene_->turf.size[0] * scene_->turf.size[1]),
+                                            "m"};
+  notes["conditioning_started_as_placed"] = {switch_.started_as_placed, "1"};
+  const auto& layers = scene_->turf.layers;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const Material& material = scene_->materials.at(static_cast<std::size_t>(layers[k].material));
+    const std::string name = fmt::format("conditioning_layer_{}_{}", k + 1, material.name);
+    const double placed = material.continuum->density,
+                 thickness = switched_[k] - (k > 0 ? switched_[k - 1] : 0);
+    notes[name + "_density_placed"] = {placed, "kg/m^3"};
+    notes[name + "_density_reached"] = {placed * switch_.density_mean.at(k), "kg/m^3"};
+    notes[name + "_density_deviation"] = {placed * switch_.density_deviation.at(k), "kg/m^3"};
+    // Mass over volume: what the kernel's sums must agree with.
+    notes[name + "_density_of_layer"] = {thickness > 0 ? placed * layers[k].depth / thickness : 0, "kg/m^3"};
+  }
+  return notes;
+}
+
+void Compaction::save(h5::Group& group) const {
+  const std::vector<double> numbers{start_,
+                                    plate_force_,
+                                    largest_pressure_,
+                                    switch_.kinetic,
+                                    switch_.let_go,
+                                    switch_.fastest,
+                                    switch_.largest_overlap,
+                                    switch_.started_as_placed,
+                                    switched_over_ ? 1.0 : 0.0,
+                                    settled_speed_,
+                                    switch_.volume};
+  group.write("numbers", std::span<const double>(numbers));
+  group.write_scalar("element_steps", element_steps_);
+  const auto write = [&](const char* name, const std::vector<double>& values) {
+    group.write(name, std::span<const double>(values));
+  };
+  write("placed", placed_), write("under_plate", under_plate_), write("lifted", lifted_);
+  write("switched", switched_), write("released", released_);
+  write("density_mean", switch_.density_mean), write("density_deviation", switch_.density_deviation);
+}
+
+void Compaction::load(const h5::Group& group) {
+  const std::vector<double> n = group.read_doubles("numbers");
+  start_ = n.at(0), plate_force_ = n.at(1), largest_pressure_ = n.at(2);
+  switch_.kinetic = n.at(3), switch_.let_go = n.at(4), switch_.fastest = n.at(5);
+  switch_.largest_overlap = n.at(6), switch_.started_as_placed = n.at(7);
+  switched_over_ = n.at(8) != 0;
+  settled_speed_ = n.at(9);
+  switch_.volume = n.at(10);
+  element_steps_ = group.read_count("element_steps");
+  placed_ = group.read_doubles("placed"), under_plate_ = group.read_doubles("under_plate");
+  lifted_ = group.read_doubles("lifted"), switched_ = group.read_doubles("switched");
+  released_ = group.read_doubles("released");
+  switch_.density_mean = group.read_doubles("density_mean");
+  switch_.density_deviation = group.read_doubles("density_deviation");
+}
+
+}  // namespace tuft::rigs
