@@ -110,7 +110,7 @@ double time_intervals(const Scene& scene, RunState& state) {
 void plan_conditioning(RunPlan& plan, const Scene& scene) {
   RunState state = make_run_state(scene, nullptr, 0, {});
   const std::uint64_t intervals = state.schedule.conditioned();
-  take_steps(plan, state.simulation().stable_steps(), scene, state.schedule.interval, intervals);
+  take_steps(plan, state.simulation().stable_steps(state.schedule.interval), scene, state.schedule.interval, intervals);
   const std::uint64_t windows = plan.windows;
   const double wall = time_intervals(scene, state) * static_cast<double>(intervals);
   plan.predicted_wall_s += wall;
