@@ -84,7 +84,8 @@ nlohmann::json identifiability_of(const studies::Identifiability& found) {
   nlohmann::json rows = nlohmann::json::array();
   for (Eigen::Index i = 0; i < found.correlation.rows(); ++i) {
     nlohmann::json row = nlohmann::json::array();
-    for (Eigen::Index j = 0; j < found.correlation.cols(); ++j) row.push_back(number(found.correlation(i, j)));
+    for (Eigen::Index j = 0; j < found.correlation.cols(); ++j)
+      row.push_back(number(found.correlation(i, j)));
     rows.push_back(std::move(row));
   }
   return {{"determined_by_targets", found.determined}, {"correlation", std::move(rows)}};
