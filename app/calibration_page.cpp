@@ -26,6 +26,7 @@ using studies::TargetForm;
 constexpr const char* chart_style = R"css(
 #target-chart .track { stroke:var(--rule); } #target-chart .wanted { fill:var(--c2); opacity:.28; }
 #target-chart .mark { stroke-width:2; } #target-chart .start { fill:var(--page); stroke:var(--soft); }
+#targets-table td,#parameters-table td { white-space:nowrap; padding-left:16px; }
 #target-chart .met { fill:var(--good); stroke:var(--good); } #target-chart .missed { fill:var(--bad); stroke:var(--bad); }
 )css";
 
@@ -54,20 +55,17 @@ std::string head(const Problem& problem, const CalibrationResult& result) {
 }
 
 std::string targets_section(const Problem& problem, const CalibrationResult& result) {
-  HtmlTable table{"targets-table",
-                  "",
-                  {"Target", "Wanted", "Start", "Fit", "", "Misfit at start", "of fit", "Weight"},
-                  {},
-                  false};
-  HtmlTable sources{"sources-table", "", {"Target", "Where it comes from"}, {}, true};
+  HtmlTable table{"targets-table", "", {"Target", "Wanted", "Start", "Fit", "", "Misfit"}, {}, false};
+  HtmlTable sources{"sources-table", "", {"Target", "Weight", "Where it comes from"}, {}, true};
   for (std::size_t t = 0; t < problem.targets.size(); ++t) {
     const Target& target = problem.targets[t];
     const auto &start = result.start.targets[t], &fitted = result.fitted.targets[t];
-    table.rows.push_back({escape_html(target.name()), wanted(target), measured(target, start),
-                          measured(target, fitted), met_mark(studies::is_inside(target, fitted)),
-                          format_significant(start.misfit), format_significant(fitted.misfit),
-                          format_input(target.weight)});
-    sources.rows.push_back({escape_html(target.name()), escape_html(target.provenance)});
+    table.rows.push_back(
+        {escape_html(target.name()), wanted(target), measured(target, start), measured(target, fitted),
+         met_mark(studies::is_inside(target, fitted)),
+         fmt::format("{} → {}", format_significant(start.misfit, 2), format_significant(fitted.misfit, 2))});
+    sources.rows.push_back(
+        {escape_html(target.name()), format_input(target.weight), escape_html(target.provenance)});
   }
   return html_section("targets", "Targets", target_chart(problem, result) + table.html() + sources.html());
 }
@@ -77,31 +75,38 @@ std::string determined_text(const CalibrationResult& result, std::size_t i) {
   const Identifiability& found = *result.identifiability;
   if (!std::isfinite(found.alone[i])) return "<span class=\"bad\">no target sees it</span>";
   if (!std::isfinite(found.together[i])) return "<span class=\"bad\">only with others</span>";
+  const std::string off = format_percent(found.together[i], 2);
+  if (found.together[i] > 1) return "<span class=\"bad\">not, it could be anywhere</span>";
   return found.together[i] > studies::ill_determined
-             ? fmt::format("<span class=\"bad\">poorly, ± {} of its range</span>",
-                           format_percent(found.together[i], 2))
-             : fmt::format("<span class=\"good\">± {} of its range</span>",
-                           format_percent(found.together[i], 2));
+             ? fmt::format("<span class=\"bad\">poorly, ± {} of its range</span>", off)
+             : fmt::format("<span class=\"good\">± {} of its range</span>", off);
+}
+
+/// Keys; with the material where there are several.
+std::string parameter_name(const Problem& problem, const Parameter& parameter) {
+  return escape_html(problem.materials.size() == 1 ? parameter.key : parameter.name());
 }
 
 std::string parameters_section(const Problem& problem, const CalibrationResult& result) {
   HtmlTable table{"parameters-table",
                   "",
-                  {"Parameter", "Start", "Fit", "Lower", "Upper", "Scale", "", "Determined by the targets"},
+                  {"Parameter", "Start", "Fit", "Bounds", "", "Determined by the targets"},
                   {},
                   false};
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
     const Parameter& p = problem.parameters[i];
     const std::string bound = bound_text(result, i);
-    table.rows.push_back({escape_html(p.name()), parameter_text(p, result.start.values[i]),
-                          parameter_text(p, result.fitted.values[i]), parameter_text(p, p.lower),
-                          parameter_text(p, p.upper), p.scale == ParameterScale::log ? "log" : "linear",
+    table.rows.push_back({parameter_name(problem, p), parameter_text(p, result.start.values[i]),
+                          parameter_text(p, result.fitted.values[i]), bounds_text(p),
                           bound.empty() ? "" : "<span class=\"bad\">" + bound + "</span>",
                           determined_text(result, i)});
   }
   return html_section(
       "parameters", "Parameters",
-      table.html() +
+      (problem.materials.size() == 1
+           ? fmt::format("<p>Of material {}.</p>\n", escape_html(problem.materials[0].name))
+           : "") +
+          table.html() +
           "<p class=\"note\">The last column takes each target as known to one tolerance (a range: to half "
           "of its "
           "width) and says how far the parameter could then be off, the others free, as a share of its "
@@ -169,7 +174,7 @@ std::string model_plots(const Problem& problem, const CalibrationResult& result,
     for (const Target& target : problem.targets)
       if (target.form == TargetForm::curve && target.model == model && target.quantity == curve.name)
         add_curve(plot, {"", target.x_unit, target.unit, "", "", target.x, target.y},
-                  "target of " + curve.name, "e0", true);
+                  "target of " + curve.name, "e0", false);
   }
   std::string text;
   for (const Plot& plot : plots) text += svg_plot(plot);
