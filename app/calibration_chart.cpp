@@ -42,8 +42,8 @@ std::string mark(const Target& target, const TargetOutcome& outcome, double y, c
 
 std::string row(const Target& target, const TargetOutcome& start, const TargetOutcome& fitted, double y) {
   const bool met = studies::is_inside(target, fitted);
-  std::string text = fmt::format("<text x=\"0\" y=\"{:.1f}\" class=\"label\">{}</text>", y + 4,
-                                 escape_html(target.name()));
+  std::string text =
+      fmt::format("<text x=\"0\" y=\"{:.1f}\" class=\"label\">{}</text>", y + 4, escape_html(target.name()));
   text += fmt::format(
       "<line class=\"track\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><rect class=\"wanted\" "
       "x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" rx=\"2\"/>",

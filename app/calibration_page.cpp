@@ -26,6 +26,7 @@ using studies::TargetForm;
 constexpr const char* chart_style = R"css(
 #target-chart .track { stroke:var(--rule); } #target-chart .wanted { fill:var(--c2); opacity:.28; }
 #target-chart .mark { stroke-width:2; } #target-chart .start { fill:var(--page); stroke:var(--soft); }
+#targets-table td,#parameters-table td { white-space:nowrap; padding-left:16px; }
 #target-chart .met { fill:var(--good); stroke:var(--good); } #target-chart .missed { fill:var(--bad); stroke:var(--bad); }
 )css";
 
@@ -41,32 +42,30 @@ std::string head(const Problem& problem, const CalibrationResult& result) {
       "{3}</dd>\n",
       result.status, format_count(result.evaluations), format_duration(result.wall_seconds),
       escape_html(result.end_reason));
-  text += fmt::format("<dt>Misfit</dt><dd>{} at the start, {} fitted, of which {} is distance from the start</dd>\n",
-                      format_significant(result.start.misfit), format_significant(result.fitted.misfit),
-                      format_significant(result.fitted.misfit - result.fitted.target_misfit));
+  text += fmt::format(
+      "<dt>Misfit</dt><dd>{} at the start, {} fitted, of which {} is distance from the start</dd>\n",
+      format_significant(result.start.misfit), format_significant(result.fitted.misfit),
+      format_significant(result.fitted.misfit - result.fitted.target_misfit));
   text += fmt::format("<dt>Outcome</dt><dd>{}</dd>\n</dl>\n", escape_html(verdict(problem, result)));
   if (result.failed > 0)
-    text += fmt::format("<p class=\"error\">{} of {} evaluations failed and counted as a misfit of {} a target.</p>\n",
-                        result.failed, result.evaluations,
-                        format_input(problem.file.optimiser.failure_misfit));
+    text += fmt::format(
+        "<p class=\"error\">{} of {} evaluations failed and counted as a misfit of {} a target.</p>\n",
+        result.failed, result.evaluations, format_input(problem.file.optimiser.failure_misfit));
   return text;
 }
 
 std::string targets_section(const Problem& problem, const CalibrationResult& result) {
-  HtmlTable table{"targets-table",
-                  "",
-                  {"Target", "Wanted", "Start", "Fit", "", "Misfit at start", "of fit", "Weight"},
-                  {},
-                  false};
-  HtmlTable sources{"sources-table", "", {"Target", "Where it comes from"}, {}, true};
+  HtmlTable table{"targets-table", "", {"Target", "Wanted", "Start", "Fit", "", "Misfit"}, {}, false};
+  HtmlTable sources{"sources-table", "", {"Target", "Weight", "Where it comes from"}, {}, true};
   for (std::size_t t = 0; t < problem.targets.size(); ++t) {
     const Target& target = problem.targets[t];
     const auto &start = result.start.targets[t], &fitted = result.fitted.targets[t];
-    table.rows.push_back({escape_html(target.name()), wanted(target), measured(target, start),
-                          measured(target, fitted), met_mark(studies::is_inside(target, fitted)),
-                          format_significant(start.misfit), format_significant(fitted.misfit),
-                          format_input(target.weight)});
-    sources.rows.push_back({escape_html(target.name()), escape_html(target.provenance)});
+    table.rows.push_back(
+        {escape_html(target.name()), wanted(target), measured(target, start), measured(target, fitted),
+         met_mark(studies::is_inside(target, fitted)),
+         fmt::format("{} → {}", format_significant(start.misfit, 2), format_significant(fitted.misfit, 2))});
+    sources.rows.push_back(
+        {escape_html(target.name()), format_input(target.weight), escape_html(target.provenance)});
   }
   return html_section("targets", "Targets", target_chart(problem, result) + table.html() + sources.html());
 }
@@ -76,39 +75,48 @@ std::string determined_text(const CalibrationResult& result, std::size_t i) {
   const Identifiability& found = *result.identifiability;
   if (!std::isfinite(found.alone[i])) return "<span class=\"bad\">no target sees it</span>";
   if (!std::isfinite(found.together[i])) return "<span class=\"bad\">only with others</span>";
+  const std::string off = format_percent(found.together[i], 2);
+  if (found.together[i] > 1) return "<span class=\"bad\">not, it could be anywhere</span>";
   return found.together[i] > studies::ill_determined
-             ? fmt::format("<span class=\"bad\">poorly, ± {} of its range</span>",
-                           format_percent(found.together[i], 2))
-             : fmt::format("<span class=\"good\">± {} of its range</span>",
-                           format_percent(found.together[i], 2));
+             ? fmt::format("<span class=\"bad\">poorly, ± {} of its range</span>", off)
+             : fmt::format("<span class=\"good\">± {} of its range</span>", off);
+}
+
+/// Keys; with the material where there are several.
+std::string parameter_name(const Problem& problem, const Parameter& parameter) {
+  return escape_html(problem.materials.size() == 1 ? parameter.key : parameter.name());
 }
 
 std::string parameters_section(const Problem& problem, const CalibrationResult& result) {
   HtmlTable table{"parameters-table",
                   "",
-                  {"Parameter", "Start", "Fit", "Lower", "Upper", "Scale", "", "Determined by the targets"},
+                  {"Parameter", "Start", "Fit", "Bounds", "", "Determined by the targets"},
                   {},
                   false};
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
     const Parameter& p = problem.parameters[i];
     const std::string bound = bound_text(result, i);
-    table.rows.push_back({escape_html(p.name()), parameter_text(p, result.start.values[i]),
-                          parameter_text(p, result.fitted.values[i]), parameter_text(p, p.lower),
-                          parameter_text(p, p.upper), p.scale == ParameterScale::log ? "log" : "linear",
+    table.rows.push_back({parameter_name(problem, p), parameter_text(p, result.start.values[i]),
+                          parameter_text(p, result.fitted.values[i]), bounds_text(p),
                           bound.empty() ? "" : "<span class=\"bad\">" + bound + "</span>",
                           determined_text(result, i)});
   }
   return html_section(
       "parameters", "Parameters",
-      table.html() +
-          "<p class=\"note\">The last column takes each target as known to one tolerance (a range: to half of its "
+      (problem.materials.size() == 1
+           ? fmt::format("<p>Of material {}.</p>\n", escape_html(problem.materials[0].name))
+           : "") +
+          table.html() +
+          "<p class=\"note\">The last column takes each target as known to one tolerance (a range: to half "
+          "of its "
           "width) and says how far the parameter could then be off, the others free, as a share of its "
           "range between the bounds.</p>\n");
 }
 
 std::string search_section(const Problem& problem, const CalibrationResult& result) {
   Plot plot{"search-plot", "evaluation [1]", "misfit, decimal logarithm [1]", {}, {}, {}};
-  Series each{"each evaluation", "c0", {}, {}, true, false}, least{"least so far", "c0", {}, {}, false, false};
+  Series each{"each evaluation", "c0", {}, {}, true, false},
+      least{"least so far", "c0", {}, {}, false, false};
   const auto logarithm = [](double misfit) { return std::log10(std::max(misfit, 1e-12)); };
   for (std::size_t k = 0; k < result.search.size(); ++k) {
     for (Series* series : {&each, &least}) series->x.push_back(static_cast<double>(k + 1));
@@ -165,8 +173,8 @@ std::string model_plots(const Problem& problem, const CalibrationResult& result,
     add_curve(plot, curve, curve.name, style, false);
     for (const Target& target : problem.targets)
       if (target.form == TargetForm::curve && target.model == model && target.quantity == curve.name)
-        add_curve(plot, {"", target.x_unit, target.unit, "", "", target.x, target.y}, "target of " + curve.name,
-                  "e0", true);
+        add_curve(plot, {"", target.x_unit, target.unit, "", "", target.x, target.y},
+                  "target of " + curve.name, "e0", false);
   }
   std::string text;
   for (const Plot& plot : plots) text += svg_plot(plot);
@@ -176,8 +184,9 @@ std::string model_plots(const Problem& problem, const CalibrationResult& result,
 std::string curves_section(const Problem& problem, const CalibrationResult& result) {
   std::string text;
   for (std::size_t m = 0; m < problem.models.size(); ++m)
-    text += fmt::format("<h3>{} ({})</h3>\n", escape_html(problem.model_names[m]), problem.models[m]->kind()) +
-            model_plots(problem, result, m);
+    text +=
+        fmt::format("<h3>{} ({})</h3>\n", escape_html(problem.model_names[m]), problem.models[m]->kind()) +
+        model_plots(problem, result, m);
   return html_section("curves", "Curves of the models",
                       text + "<p class=\"note\">Solid: the fit. Dashed: the start.</p>\n");
 }
@@ -192,9 +201,10 @@ std::string weakest_text(const Problem& problem, const Identifiability& found) {
                          names[static_cast<std::size_t>(i)]);
   }
   if (!std::isfinite(found.weakest_change))
-    return fmt::format("The targets do not see a change of the parameters in the proportions {}: there the start "
-                       "decides, through the regularisation.",
-                       escape_html(parts));
+    return fmt::format(
+        "The targets do not see a change of the parameters in the proportions {}: there the start "
+        "decides, through the regularisation.",
+        escape_html(parts));
   return fmt::format(
       "Worst seen is a change of the parameters in the proportions {}: the targets change by one tolerance "
       "only when it is {} of the range.",
@@ -208,21 +218,22 @@ std::vector<std::string> parameter_names(const Problem& problem, const std::stri
 }
 
 std::string sensitivity_table(const Problem& problem, const Identifiability& found) {
-  HtmlTable table{"sensitivity-table", "",
-                  parameter_names(problem, "Target"), {}, false};
+  HtmlTable table{"sensitivity-table", "", parameter_names(problem, "Target"), {}, false};
   Eigen::Index row = 0;
   for (const Target& target : problem.targets) {
     const auto rows = target.form == TargetForm::curve ? static_cast<Eigen::Index>(target.x.size()) : 1;
     std::vector<std::string> cells{escape_html(target.name())};
     for (Eigen::Index i = 0; i < found.sensitivity.cols(); ++i) {
       double sum = 0;
-      for (Eigen::Index k = row; k < row + rows; ++k) sum += found.sensitivity(k, i) * found.sensitivity(k, i);
+      for (Eigen::Index k = row; k < row + rows; ++k)
+        sum += found.sensitivity(k, i) * found.sensitivity(k, i);
       cells.push_back(format_significant(rows == 1 ? found.sensitivity(row, i) : std::sqrt(sum), 2));
     }
     table.rows.push_back(std::move(cells));
     row += rows;
   }
-  return "<h3>Change of each target, in tolerances, over the whole range of a parameter</h3>\n" + table.html();
+  return "<h3>Change of each target, in tolerances, over the whole range of a parameter</h3>\n" +
+         table.html();
 }
 
 std::string correlation_table(const Problem& problem, const Identifiability& found) {
@@ -251,11 +262,12 @@ std::string identifiability_section(const Problem& problem, const CalibrationRes
       "identifiability", "What the targets determine",
       fmt::format("<p>{}</p>\n", weakest_text(problem, found)) + sensitivity_table(problem, found) +
           correlation_table(problem, found) +
-          fmt::format("<p class=\"note\">Central differences at the fit, steps of {} of a parameter's range. "
-                      "This is local: it says nothing of other fits far away. Inside a range a target does not "
-                      "pull at all; it is counted here as if its middle were known to half its "
-                      "width.</p>\n",
-                      format_percent(studies::difference_step)));
+          fmt::format(
+              "<p class=\"note\">Central differences at the fit, steps of {} of a parameter's range. "
+              "This is local: it says nothing of other fits far away. Inside a range a target does not "
+              "pull at all; it is counted here as if its middle were known to half its "
+              "width.</p>\n",
+              format_percent(studies::difference_step)));
 }
 
 std::string cost_section(const Problem& problem, const CalibrationResult& result) {
@@ -265,16 +277,18 @@ std::string cost_section(const Problem& problem, const CalibrationResult& result
                           format_duration(result.seconds_per_model[m])});
   return html_section(
       "cost", "Cost",
-      table.html() + fmt::format("<p class=\"note\">{} evaluations, {} of them there from an earlier run into this "
-                                 "folder; {} in all now.</p>\n",
-                                 format_count(result.evaluations), format_count(result.reused),
-                                 format_duration(result.wall_seconds)));
+      table.html() +
+          fmt::format("<p class=\"note\">{} evaluations, {} of them there from an earlier run into this "
+                      "folder; {} in all now.</p>\n",
+                      format_count(result.evaluations), format_count(result.reused),
+                      format_duration(result.wall_seconds)));
 }
 
 std::string failures_section(const CalibrationResult& result) {
   if (result.errors.empty()) return "";
   std::string items;
-  for (const std::string& error : result.errors) items += fmt::format("<p class=\"error\">{}</p>\n", escape_html(error));
+  for (const std::string& error : result.errors)
+    items += fmt::format("<p class=\"error\">{}</p>\n", escape_html(error));
   return html_section("failures", "Why evaluations failed", items);
 }
 
@@ -289,7 +303,8 @@ std::string calibration_page(const Problem& problem, const CalibrationResult& re
          head(problem, result) + targets_section(problem, result) + parameters_section(problem, result) +
          curves_section(problem, result) + search_section(problem, result) +
          identifiability_section(problem, result) + cost_section(problem, result) + failures_section(result) +
-         "<p class=\"note\">The fitted materials are the files in <code>materials</code> beside this page, complete "
+         "<p class=\"note\">The fitted materials are the files in <code>materials</code> beside this page, "
+         "complete "
          "and ready to be used; each changed number says so. All evaluations are in "
          "<code>evaluations.csv</code>.</p>\n</main>\n<script>" +
          report_script() + "</script>\n</body>\n</html>\n";

@@ -84,20 +84,17 @@ nlohmann::json identifiability_of(const studies::Identifiability& found) {
   nlohmann::json rows = nlohmann::json::array();
   for (Eigen::Index i = 0; i < found.correlation.rows(); ++i) {
     nlohmann::json row = nlohmann::json::array();
-    for (Eigen::Index j = 0; j < found.correlation.cols(); ++j) row.push_back(number(found.correlation(i, j)));
+    for (Eigen::Index j = 0; j < found.correlation.cols(); ++j)
+      row.push_back(number(found.correlation(i, j)));
     rows.push_back(std::move(row));
   }
   return {{"determined_by_targets", found.determined}, {"correlation", std::move(rows)}};
 }
 
-std::size_t largest_first(double a, double b) {
-  return std::abs(a) >= std::abs(b) ? 0 : 1;
-}
-
 /// Both ends in the unit of the larger: "0.5 to 4 MPa".
 std::string range_text(double low, double high, const std::string& unit) {
   if (unit == "1") return fmt::format("{} to {}", format_input(low), format_input(high));
-  const DisplayUnit shown = display_unit(unit, largest_first(low, high) == 0 ? low : high);
+  const DisplayUnit shown = display_unit(unit, std::max(std::abs(low), std::abs(high)));
   return fmt::format("{} to {} {}", format_input(low * shown.factor), format_input(high * shown.factor),
                      shown.unit);
 }
@@ -112,22 +109,27 @@ std::string wanted(const Target& target) {
     case TargetForm::range:
       return range_text(target.low, target.high, target.unit);
     default:
-      return fmt::format("curve of {} points, ± {} of its largest value", target.x.size(),
-                         format_percent(target.tolerance));
+      return fmt::format("curve of {} points, ± {}", target.x.size(),
+                         format_input(100 * target.tolerance) + " %");
   }
 }
 
 std::string measured(const Target& target, const TargetOutcome& outcome) {
   if (!outcome.measured) return "not reached";
   if (target.form == TargetForm::curve)
-    return fmt::format("off by up to {}{}", format_percent(outcome.value),
-                       outcome.beyond ? ", beyond the model's end" : "");
+    return fmt::format("{} off{}", format_percent(outcome.value, 2),
+                       outcome.beyond ? ", beyond its end" : "");
   return format_quantity(outcome.value, target.unit);
 }
 
 std::string parameter_text(const Parameter& parameter, double value, int digits) {
   return parameter.unit == "1" ? format_significant(value, digits)
                                : format_quantity(value, parameter.unit, digits);
+}
+
+std::string bounds_text(const Parameter& parameter) {
+  return range_text(parameter.lower, parameter.upper, parameter.unit) +
+         (parameter.scale == ParameterScale::log ? ", log" : "");
 }
 
 std::vector<std::string> short_names(const Problem& problem) {
@@ -203,8 +205,7 @@ std::string calibration_tables(const Problem& problem, const CalibrationResult& 
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
     const Parameter& p = problem.parameters[i];
     parameters.add({p.name(), parameter_text(p, result.start.values[i]),
-                    parameter_text(p, result.fitted.values[i]), range_text(p.lower, p.upper, p.unit),
-                    bound_text(result, i)});
+                    parameter_text(p, result.fitted.values[i]), bounds_text(p), bound_text(result, i)});
   }
   TextTable targets({"target", "wanted", "start", "fitted", ""});
   for (std::size_t t = 0; t < problem.targets.size(); ++t) {

@@ -19,12 +19,14 @@ namespace tuft::app {
 /// "all 7 targets are met", or which are not.
 [[nodiscard]] std::string verdict(const studies::Problem& problem, const studies::CalibrationResult& result);
 
-/// "20 to 35 %", "2 MPa ± 0.1 MPa", "curve of 12 points, ± 5 % of its size".
+/// "20 to 35 %", "2 MPa ± 0.1 MPa", "curve of 12 points, ± 5 %" (of its largest value).
 [[nodiscard]] std::string wanted(const studies::Target& target);
 /// A target's value in an evaluation; "not reached" where it was not measured.
 [[nodiscard]] std::string measured(const studies::Target& target, const studies::TargetOutcome& outcome);
 /// A parameter's value with its unit.
 [[nodiscard]] std::string parameter_text(const studies::Parameter& parameter, double value, int digits = 4);
+/// "0.1 to 1.6 MPa, log".
+[[nodiscard]] std::string bounds_text(const studies::Parameter& parameter);
 /// Names of the parameters, as short as tells them apart: the last part of their keys, or all of it.
 [[nodiscard]] std::vector<std::string> short_names(const studies::Problem& problem);
 /// "at its lower bound", or nothing.

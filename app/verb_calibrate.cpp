@@ -34,7 +34,8 @@ void prepare_folder(const fs::path& folder, const studies::Problem& problem) {
     const auto json = nlohmann::json::parse(read_text_file(mark), nullptr, false);
     if (json.is_discarded() || json.value("problem", "") != problem.fingerprint)
       throw_input_error(
-          "{}: holds another calibration (other models, materials, targets or start); choose another --out or "
+          "{}: holds another calibration (other models, materials, targets or start); choose another --out "
+          "or "
           "remove it",
           folder.string());
   }
@@ -98,9 +99,11 @@ int calibrate(const CalibrateArguments& arguments) {
 
 void register_calibrate(CLI::App& program, Action& action) {
   CLI::App* verb = program.add_subcommand(
-      "calibrate", "Fit numbers of materials so that tests come out as targets say; Ctrl-C stops with the best");
+      "calibrate",
+      "Fit numbers of materials so that tests come out as targets say; Ctrl-C stops with the best");
   auto arguments = std::make_shared<CalibrateArguments>();
-  verb->add_option("CALIBRATION", arguments->file, "calibration file (TOML), e.g. inputs/calibrations/sbr.toml")
+  verb->add_option("CALIBRATION", arguments->file,
+                   "calibration file (TOML), e.g. inputs/calibrations/sbr.toml")
       ->required();
   verb->add_option("--out", arguments->folder,
                    "folder for the results, or of an earlier run to go on with (default: out/NAME)")

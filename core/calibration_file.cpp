@@ -16,10 +16,11 @@ constexpr std::string_view algorithms[] = {"bobyqa", "sbplx", "cobyla", "crs2", 
 constexpr Range fraction{0, 1, true, true};
 
 void describe_optimiser(KeyVisitor& keys, OptimiserChoice& optimiser) {
-  keys.enumeration({"algorithm",
-                    "without derivatives (NLopt): bobyqa, sbplx, cobyla from the start; crs2, direct_l over the "
-                    "whole box, then bobyqa"},
-                   optimiser.algorithm, algorithms);
+  keys.enumeration(
+      {"algorithm",
+       "without derivatives (NLopt): bobyqa, sbplx, cobyla from the start; crs2, direct_l over the "
+       "whole box, then bobyqa"},
+      optimiser.algorithm, algorithms);
   keys.integer({"max_evaluations", "at most so many"}, optimiser.max_evaluations, {1, 1e6, false, false});
   keys.number({"tolerance", "ends when parameters, scaled to [0, 1], change by less"}, optimiser.tolerance,
               fraction);
@@ -43,8 +44,9 @@ void describe_parameter(KeyVisitor& keys, CalibrationParameter& parameter) {
 
 void describe_model(KeyVisitor& keys, CalibrationModelEntry& model) {
   keys.text(required("name", "by which targets name it"), model.name);
-  keys.text(required("file", "a test of a point, or a scene of rig oedometer or direct_shear; beside this file"),
-            model.file);
+  keys.text(
+      required("file", "a test of a point, or a scene of rig oedometer or direct_shear; beside this file"),
+      model.file);
   if (keys.wants({"set", ""}, !model.settings.empty()))
     keys.given_list({"set", "keys of that file to override, as given to --set"}, model.settings,
                     "a list of texts \"key=value\"");
@@ -84,10 +86,11 @@ void describe_target(KeyVisitor& keys, CalibrationTarget& target) {
 void describe_calibration(KeyVisitor& keys, CalibrationFile& calibration) {
   keys.table({"calibration", "as a whole"}, [&](KeyVisitor& inside) {
     inside.text({"name", "a name for reports; left out: the file's"}, calibration.name);
-    inside.number({"regularisation",
-                   "weight of the squared distance from the start, parameters scaled to [0, 1]: decides where "
-                   "the targets do not"},
-                  calibration.regularisation, non_negative);
+    inside.number(
+        {"regularisation",
+         "weight of the squared distance from the start, parameters scaled to [0, 1]: decides where "
+         "the targets do not"},
+        calibration.regularisation, non_negative);
   });
   keys.table({"optimiser", "how the fit is searched"},
              [&](KeyVisitor& inside) { describe_optimiser(inside, calibration.optimiser); });

@@ -1,6 +1,6 @@
 #pragma once
-/// A value as it was written, where its unit is known only later: of a parameter from the key that it names, of
-/// a target from the result that it speaks of.
+/// A value as it was written, where its unit is known only later: of a parameter from the key that it names,
+/// of a target from the result that it speaks of.
 #include <string>
 #include <string_view>
 
@@ -9,7 +9,7 @@
 namespace tuft {
 
 struct Given {
-  std::string text;   ///< without quotes; empty: left out
+  std::string text;  ///< without quotes; empty: left out
   bool quoted = false;
   double number = 0;  ///< where it was a plain number
   Place place;        ///< for messages

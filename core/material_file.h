@@ -9,9 +9,9 @@ namespace tuft {
 
 /// A single number of the file.
 struct MaterialNumber {
-  std::string key;   ///< "continuum.pressure_exponential.modulus"
-  std::string unit;  ///< SI; "1" for a plain number
-  double value = 0;  ///< in that unit
+  std::string key;           ///< "continuum.pressure_exponential.modulus"
+  std::string unit;          ///< SI; "1" for a plain number
+  double value = 0;          ///< in that unit
   double low = 0, high = 0;  ///< what the key may be
   bool low_open = false, high_open = false;
 

@@ -48,8 +48,9 @@ Index MaterialReader::material(const std::string& name, const Place& place) {
   const bool complete = own != nullptr && own->contains(origin_key);
   const auto text = texts_.find(name);
   if (text != texts_.end() && complete)
-    places_.fail(path_of_material(name), "is given whole in this file, so no other can be tried in its place; "
-                                         "give a scene or test that names the material");
+    places_.fail(path_of_material(name),
+                 "is given whole in this file, so no other can be tried in its place; "
+                 "give a scene or test that names the material");
   const auto file = complete || text != texts_.end() ? std::nullopt : folders_.find("materials", name);
   if (!file && text == texts_.end() && own == nullptr) fail_unknown_file(folders_, "materials", name, place);
   if (text != texts_.end()) read_file(text->second.file, text->second.text, name, material);

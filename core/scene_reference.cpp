@@ -150,8 +150,8 @@ std::string scene_reference() {
          "\n## Material (`materials/NAME.toml`, or a table `[materials.NAME]` in the scene)\n\n" +
          schema::table_of(schema::material_rows()) +
          "\n## Test of a material point (`tuft point`)\n\nMaterials as in a scene.\n\n" +
-         schema::table_of(schema::point_rows()) +
-         "\n## Calibration (`tuft calibrate`)\n\n" + schema::table_of(schema::calibration_rows());
+         schema::table_of(schema::point_rows()) + "\n## Calibration (`tuft calibrate`)\n\n" +
+         schema::table_of(schema::calibration_rows());
 }
 
 }  // namespace tuft

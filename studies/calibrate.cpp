@@ -44,8 +44,8 @@ class Calibration {
     const auto first = take("start", {values_of(problem_.start())}, true, true);
     if (first.empty()) throw_run_error("stopped before the start was evaluated; nothing is written");
     best_ = result_.start = result_.fitted = first.front();
-    const SearchEnd end = minimise(problem_.file.optimiser, problem_.start(),
-                                   [this](const Point& x) { return misfit_at(x); });
+    const SearchEnd end =
+        minimise(problem_.file.optimiser, problem_.start(), [this](const Point& x) { return misfit_at(x); });
     result_.end_reason = end.reason;
     finish_fit();
     if (end.stopped || stopped_) return;
@@ -106,8 +106,8 @@ class Calibration {
   }
 
   void note_search(const Evaluation& evaluation) {
-    const double before = result_.search.empty() ? std::numeric_limits<double>::infinity()
-                                                 : result_.search.back().least;
+    const double before =
+        result_.search.empty() ? std::numeric_limits<double>::infinity() : result_.search.back().least;
     result_.search.push_back({evaluation.misfit, std::min(before, evaluation.misfit), evaluation.failed});
   }
 
@@ -121,8 +121,8 @@ class Calibration {
     return evaluation.misfit;
   }
 
-  /// The best point with its numbers as they are written. A stop that was asked for does not keep it from being
-  /// evaluated where models are quick; otherwise the search's own values stand.
+  /// The best point with its numbers as they are written. A stop that was asked for does not keep it from
+  /// being evaluated where models are quick; otherwise the search's own values stand.
   void finish_fit() {
     Point values = best_.values;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = rounded(problem_.parameters[i], values[i]);
@@ -142,8 +142,7 @@ class Calibration {
   void measure_identifiability() {
     const std::size_t n = problem_.parameters.size();
     Point x;
-    for (std::size_t i = 0; i < n; ++i)
-      x.push_back(problem_.parameters[i].scaled(result_.fitted.values[i]));
+    for (std::size_t i = 0; i < n; ++i) x.push_back(problem_.parameters[i].scaled(result_.fitted.values[i]));
     std::vector<Point> points;
     std::vector<double> widths;
     for (std::size_t i = 0; i < n; ++i) {

@@ -23,15 +23,17 @@ struct CalibrationResult {
   std::string status;      ///< "completed", "stopped"
   std::string end_reason;  ///< why the search ended
   Evaluation start, fitted;
-  std::vector<bool> at_lower, at_upper;  ///< by parameter: the fit lies at its bound, to the search's tolerance
+  std::vector<bool> at_lower,
+      at_upper;  ///< by parameter: the fit lies at its bound, to the search's tolerance
   std::vector<SearchPoint> search;
   std::size_t evaluations = 0;  ///< of all stages, each set of parameters once
   std::size_t reused = 0;       ///< of these, in the table before
   std::size_t failed = 0;
   std::vector<std::string> errors;        ///< of failed evaluations, each once
   std::vector<double> seconds_per_model;  ///< mean of those run now
-  std::optional<Identifiability> identifiability;  ///< empty when stopped before, or where it cannot be measured
-  std::string not_identified;                      ///< why there is none
+  std::optional<Identifiability>
+      identifiability;         ///< empty when stopped before, or where it cannot be measured
+  std::string not_identified;  ///< why there is none
   double wall_seconds = 0;
 };
 
@@ -44,7 +46,8 @@ struct CalibrationRequest {
 };
 
 /// Throws InputError for a start whose materials cannot be, RunError when the table cannot be written. Failed
-/// models count as `failure_misfit`. Fitted numbers have 6 significant digits; the fit is evaluated with them.
+/// models count as `failure_misfit`. Fitted numbers have 6 significant digits; the fit is evaluated with
+/// them.
 [[nodiscard]] CalibrationResult calibrate(const CalibrationRequest& request);
 
 /// Scaled step of the central differences: small against any curvature of interest, large against the

@@ -24,8 +24,7 @@ ModelOutcome attempt(const Run& run) {
     outcome.error = error.what();
   }
   for (const auto& [name, value] : outcome.results)
-    if (!std::isfinite(value) && outcome.error.empty())
-      outcome.error = fmt::format("{} is not finite", name);
+    if (!std::isfinite(value) && outcome.error.empty()) outcome.error = fmt::format("{} is not finite", name);
   if (!outcome.error.empty()) outcome.results.clear();
   outcome.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return outcome;
@@ -72,8 +71,7 @@ class PointModel final : public CalibrationModel {
   }
   std::vector<ModelCurve> curve_names() const override {
     std::vector<ModelCurve> names;
-    for (const sph::PathCurve& curve : sph::path_curve_names(test_))
-      names.push_back(curve_of(curve));
+    for (const sph::PathCurve& curve : sph::path_curve_names(test_)) names.push_back(curve_of(curve));
     return names;
   }
   std::vector<std::string> materials() const override { return names_of(test_.materials); }
@@ -121,8 +119,7 @@ class SpecimenModel final : public CalibrationModel {
   }
   std::vector<ModelCurve> curve_names() const override {
     std::vector<ModelCurve> names;
-    for (const rigs::SpecimenCurve& curve : rig_->curve_names())
-      names.push_back(curve_of(curve));
+    for (const rigs::SpecimenCurve& curve : rig_->curve_names()) names.push_back(curve_of(curve));
     return names;
   }
   std::vector<std::string> materials() const override { return names_of(scene_.materials); }

@@ -27,8 +27,8 @@ std::size_t find_material(Problem& problem, const CalibrationParameter& given, c
   const InputFolders folders(std::filesystem::path(problem.file.file).parent_path());
   const auto file = folders.find("materials", given.material);
   if (!file)
-    problem.file.places.fail(path + ".material",
-                             "no such file in materials/" + choices(given.material, folders.names("materials")));
+    problem.file.places.fail(path + ".material", "no such file in materials/" +
+                                                     choices(given.material, folders.names("materials")));
   problem.materials.push_back(read_material_file(*file, given.material));
   return problem.materials.size() - 1;
 }
@@ -40,8 +40,8 @@ const MaterialNumber& find_number(const Problem& problem, const MaterialFile& ma
   if (found != material.numbers.end()) return *found;
   std::vector<std::string> known;
   for (const MaterialNumber& number : material.numbers) known.push_back(number.key);
-  problem.file.places.fail(path, fmt::format("is no single number written in {}{}", material.path.string(),
-                                             choices(key, known)));
+  problem.file.places.fail(
+      path, fmt::format("is no single number written in {}{}", material.path.string(), choices(key, known)));
 }
 
 void add_parameter(Problem& problem, std::size_t index) {
@@ -108,9 +108,8 @@ void add_models(Problem& problem) {
   }
   for (std::size_t i = 0; i < problem.parameters.size(); ++i)
     if (!used.contains(problem.parameters[i].material_name))
-      problem.file.places.fail(
-          fmt::format("parameters.{}.material", i),
-          fmt::format("no model uses it; they use {}", fmt::join(used, ", ")));
+      problem.file.places.fail(fmt::format("parameters.{}.material", i),
+                               fmt::format("no model uses it; they use {}", fmt::join(used, ", ")));
 }
 
 void add_target(Problem& problem, std::size_t index) {
@@ -158,9 +157,9 @@ std::string fingerprint_of(const Problem& problem) {
   const MaterialTexts texts = texts_by_name(problem, problem.texts(start_values(problem)));
   for (const auto& model : problem.models) text += model->resolved(texts);
   for (const Target& t : problem.targets)
-    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n", t.name(), static_cast<int>(t.form), t.number,
-                        t.tolerance, t.low, t.high, t.margin, t.weight, fmt::join(t.x, " "),
-                        fmt::join(t.y, " "));
+    text +=
+        fmt::format("{} {} {} {} {} {} {} {} {} {}\n", t.name(), static_cast<int>(t.form), t.number,
+                    t.tolerance, t.low, t.high, t.margin, t.weight, fmt::join(t.x, " "), fmt::join(t.y, " "));
   return content_hash(text);
 }
 
@@ -212,8 +211,8 @@ Evaluation judge_all(const Problem& problem, std::vector<double> values, std::ve
 double Parameter::value(double x) const {
   if (x <= 0) return lower;
   if (x >= 1) return upper;
-  const double between = scale == ParameterScale::log ? lower * std::pow(upper / lower, x)
-                                                      : lower + x * (upper - lower);
+  const double between =
+      scale == ParameterScale::log ? lower * std::pow(upper / lower, x) : lower + x * (upper - lower);
   return std::clamp(between, lower, upper);
 }
 

@@ -61,8 +61,8 @@ struct Evaluation {
 [[nodiscard]] double total_misfit(const Problem& problem, double target_misfit,
                                   std::span<const double> values);
 
-/// Evaluates several sets of parameters (SI values). Jobs that use one thread run beside each other, others one
-/// after the other; the bits do not depend on it. Empty when `stop` was set meanwhile. InputError of a
+/// Evaluates several sets of parameters (SI values). Jobs that use one thread run beside each other, others
+/// one after the other; the bits do not depend on it. Empty when `stop` was set meanwhile. InputError of a
 /// material that cannot be is a failed evaluation; with `strict` it is thrown.
 [[nodiscard]] std::vector<Evaluation> evaluate(const Problem& problem,
                                                const std::vector<std::vector<double>>& points,

@@ -8,7 +8,7 @@ namespace tuft::studies {
 namespace {
 
 constexpr double little_beyond = 0.01, too_far_beyond = 1;  // of a curve's width in x
-constexpr std::size_t end_share = 20;                       // 1 / share of the points that give an end's slope
+constexpr std::size_t end_share = 20;  // 1 / share of the points that give an end's slope
 
 double largest_size(std::span<const double> values) {
   double most = 0;

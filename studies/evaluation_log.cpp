@@ -53,7 +53,8 @@ EvaluationLog::EvaluationLog(std::filesystem::path file, const Problem& problem)
     std::string text = read_text_file(file_);
     text.erase(text.rfind('\n') + 1);  // what a kill cut off
     if (!text.empty() && !text.starts_with(header_))
-      throw_input_error("{}: is a table of other parameters or targets; choose another --out", file_.string());
+      throw_input_error("{}: is a table of other parameters or targets; choose another --out",
+                        file_.string());
     if (!text.empty()) kept = text;
     read(kept);
   }

@@ -15,8 +15,8 @@ struct Identifiability {
   /// The same with the others free to make up for it: the standard deviation that would follow from targets
   /// known to one tolerance. Infinite where others can make up for all of it.
   std::vector<double> together;
-  /// Of the parameters under such targets, [-1, 1]. Where targets do not determine them, under targets and the
-  /// regularisation.
+  /// Of the parameters under such targets, [-1, 1]. Where targets do not determine them, under targets and
+  /// the regularisation.
   Eigen::MatrixXd correlation;
   bool determined = false;  ///< the targets alone determine all parameters
   /// The combination of parameters (unit vector) that the targets see least, and the change along it that is

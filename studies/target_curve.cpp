@@ -31,9 +31,9 @@ std::size_t column_of(const CalibrationFile& calibration, const std::vector<std:
   const auto found = std::ranges::find(names, wanted);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const auto nearest = nearest_name(wanted, names);
-  calibration.places.fail(path, nearest ? fmt::format("no such column in {}; did you mean \"{}\"?", file, *nearest)
-                                        : fmt::format("no such column in {}; there are {}", file,
-                                                      fmt::join(names, ", ")));
+  calibration.places.fail(
+      path, nearest ? fmt::format("no such column in {}; did you mean \"{}\"?", file, *nearest)
+                    : fmt::format("no such column in {}; there are {}", file, fmt::join(names, ", ")));
 }
 
 double number_of(const std::string& cell, const std::string& file, std::size_t line) {
@@ -52,10 +52,10 @@ void read_columns(const CalibrationFile& calibration, const TargetCurve& given, 
   std::string line;
   std::getline(text, line);
   const auto names = cells_of(line);
-  const std::size_t x_at =
-                        column_of(calibration, names, given.x_column, 0, path + ".curve.x_column", file.string()),
-                    y_at =
-                        column_of(calibration, names, given.y_column, 1, path + ".curve.y_column", file.string());
+  const std::size_t x_at = column_of(calibration, names, given.x_column, 0, path + ".curve.x_column",
+                                     file.string()),
+                    y_at = column_of(calibration, names, given.y_column, 1, path + ".curve.y_column",
+                                     file.string());
   for (std::size_t number = 2; std::getline(text, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const auto cells = cells_of(line);
@@ -87,10 +87,10 @@ void resolve_curve(const CalibrationFile& calibration, const TargetCurve& given,
     std::vector<std::string> known;
     for (const ModelCurve& curve : curves) known.push_back(curve.name);
     const auto nearest = nearest_name(target.quantity, known);
-    calibration.places.fail(path + ".quantity",
-                            nearest ? fmt::format("no such curve of this model; did you mean \"{}\"?", *nearest)
-                                    : fmt::format("no such curve of this model; there are {}",
-                                                  fmt::join(known, ", ")));
+    calibration.places.fail(
+        path + ".quantity",
+        nearest ? fmt::format("no such curve of this model; did you mean \"{}\"?", *nearest)
+                : fmt::format("no such curve of this model; there are {}", fmt::join(known, ", ")));
   }
   target.form = TargetForm::curve;
   target.unit = found->y_unit;

@@ -8,8 +8,8 @@
 
 namespace tuft::studies {
 
-/// Fills in the curve of a target: which curve of the model, points in its units. `path` is the target's place
-/// in the calibration. Throws InputError with place for unknown names, units and unreadable numbers.
+/// Fills in the curve of a target: which curve of the model, points in its units. `path` is the target's
+/// place in the calibration. Throws InputError with place for unknown names, units and unreadable numbers.
 void resolve_curve(const CalibrationFile& calibration, const TargetCurve& given, const std::string& path,
                    const std::vector<ModelCurve>& curves, Target& target);
 

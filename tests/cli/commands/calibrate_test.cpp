@@ -78,8 +78,8 @@ TEST(Calibrate, LeavesFittedMaterialsSummaryTableAndPage) {
   EXPECT_GT(json["seconds_per_model"]["ring"]["seconds"], 0);
   EXPECT_EQ(lines_of(place.path("out/evaluations.csv")), json["evaluations"].get<std::size_t>() + 1);
   const std::string page = read_text(place.path("out/report.html"));
-  for (const char* part : {"target-chart", "search-plot", "sensitivity-table", "correlation-table", "cost-table",
-                           "literature: somewhere", "</html>"})
+  for (const char* part : {"target-chart", "search-plot", "sensitivity-table", "correlation-table",
+                           "cost-table", "literature: somewhere", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("nan"), std::string::npos);
 
@@ -87,8 +87,8 @@ TEST(Calibrate, LeavesFittedMaterialsSummaryTableAndPage) {
   const std::string fitted = read_text(place.path("out/materials/sand_calibrated.toml"));
   EXPECT_NE(fitted.find("# calibrated: tuft calibrate " + place.path("c.toml")), std::string::npos);
   place.write("materials/sand_calibrated.toml", fitted);
-  const Outcome point = run_tuft(
-      {"point", place.path("ring.toml"), "--set", "point.step=1e-3", "--out", place.path("point")});
+  const Outcome point =
+      run_tuft({"point", place.path("ring.toml"), "--set", "point.step=1e-3", "--out", place.path("point")});
   ASSERT_EQ(point.exit_code, 0) << point.error;
   const auto summary = nlohmann::json::parse(read_text(place.path("point/summary.json")));
   EXPECT_EQ(summary["results"]["modulus"]["value"], json["targets"][0]["fitted"]["value"]);
@@ -97,7 +97,8 @@ TEST(Calibrate, LeavesFittedMaterialsSummaryTableAndPage) {
 TEST(Calibrate, IntoItsOwnFolderAgainTakesWhatIsThere) {
   const Workplace place;
   lay_out(place);
-  const std::vector<std::string> words{"calibrate", place.path("c.toml"), "--out", place.path("out"), "--threads", "1"};
+  const std::vector<std::string> words{"calibrate",       place.path("c.toml"), "--out",
+                                       place.path("out"), "--threads",          "1"};
   ASSERT_EQ(run_tuft(words).exit_code, 0);
   const std::string table = read_text(place.path("out/evaluations.csv")),
                     material = read_text(place.path("out/materials/sand_calibrated.toml"));
@@ -118,14 +119,16 @@ TEST(Calibrate, IsNotWrittenOverAnotherCalibrationOrARun) {
   expect_bad_input(run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("out")}),
                    {"out", "holds another calibration", "choose another --out"});
   place.write("run/summary.json", "{}");
-  expect_bad_input(run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("run")}), {"already holds a run"});
+  expect_bad_input(run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("run")}),
+                   {"already holds a run"});
 }
 
 TEST(Calibrate, InterruptedWritesTheBestSoFarAndGoesOnByTheSameCommand) {
   const Workplace place;
   // At random over the whole box, for as long as one waits.
   std::string text = head + target;
-  text.replace(text.find("max_evaluations = 60"), 20, "algorithm = \"crs2\"\nmax_evaluations = 1000000\nglobal_share = 0.9");
+  text.replace(text.find("max_evaluations = 60"), 20,
+               "algorithm = \"crs2\"\nmax_evaluations = 1000000\nglobal_share = 0.9");
   std::string model = ring;
   lay_out(place, text.replace(text.find("point.step=1e-3"), 15, "point.step=1e-6"));
   const Outcome outcome = run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("out")}, {2.0, 0});
@@ -133,14 +136,16 @@ TEST(Calibrate, InterruptedWritesTheBestSoFarAndGoesOnByTheSameCommand) {
   EXPECT_NE(outcome.out.find("stopped; the best so far is written"), std::string::npos) << outcome.out;
   const auto json = nlohmann::json::parse(read_text(place.path("out/calibration.json")));
   EXPECT_EQ(json["status"], "stopped");
-  EXPECT_NE(read_text(place.path("out/materials/sand_calibrated.toml")).find("# calibrated"), std::string::npos);
+  EXPECT_NE(read_text(place.path("out/materials/sand_calibrated.toml")).find("# calibrated"),
+            std::string::npos);
   EXPECT_EQ(read_text(place.path("out/report.html")).find("nan"), std::string::npos);
   EXPECT_GE(lines_of(place.path("out/evaluations.csv")), 2U);
 }
 
 TEST(Calibrate, OfABadFileIsRefusedWithLineKeyAndWhatToDo) {
   const Workplace place;
-  const auto said = [&](const std::string& from, const std::string& to, const std::vector<std::string>& parts) {
+  const auto said = [&](const std::string& from, const std::string& to,
+                        const std::vector<std::string>& parts) {
     std::string text = head + target;
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << from;
@@ -165,7 +170,8 @@ TEST(Calibrate, OfABadFileIsRefusedWithLineKeyAndWhatToDo) {
   said("model = \"ring\"", "model = \"rung\"", {"c.toml:25", "did you mean \"ring\""});
   said("\"modulus\"", "\"modulos\"", {"c.toml:26", "targets.0.quantity", "did you mean \"modulus\""});
   said("[\"30 MPa\", \"40 MPa\"]", "[\"30 MPa\"]", {"c.toml:27", "two values are needed"});
-  said("[\"30 MPa\", \"40 MPa\"]", "[\"40 MPa\", \"30 MPa\"]", {"c.toml:27", "the smaller value comes first"});
+  said("[\"30 MPa\", \"40 MPa\"]", "[\"40 MPa\", \"30 MPa\"]",
+       {"c.toml:27", "the smaller value comes first"});
   said("[\"30 MPa\", \"40 MPa\"]", "[\"30 kg\", \"40 kg\"]", {"c.toml:27", "targets.0.range.0", "30 kg"});
   said("range =", "tolerance = \"1 MPa\"\nrange =", {"targets.0.tolerance", "is for a number"});
   said("range = [\"30 MPa\", \"40 MPa\"]", "number = \"30 MPa\"", {"targets.0.number", "needs a tolerance"});
@@ -181,8 +187,11 @@ TEST(Calibrate, OfABadCurveIsRefusedWithItsPlace) {
   place.write("good.csv", "strain,stress\n1,100\n2,200\n");
   place.write("bad.csv", "strain,stress\n1,100\n2,two\n");
   const auto said = [&](const std::string& curve, const std::vector<std::string>& parts) {
-    lay_out(place, head + "[[targets]]\nmodel = \"ring\"\nquantity = \"segment_1_stress\"\nprovenance = \"measured: "
-                          "here\"\n[targets.curve]\n" + curve);
+    lay_out(place,
+            head +
+                "[[targets]]\nmodel = \"ring\"\nquantity = \"segment_1_stress\"\nprovenance = \"measured: "
+                "here\"\n[targets.curve]\n" +
+                curve);
     expect_bad_input(run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("out")}), parts);
   };
   const std::string units = "x_unit = \"%\"\ny_unit = \"kPa\"\n";

@@ -88,7 +88,8 @@ TEST(MaterialFile, ChangedLinesBearTheRemarkOnceHoweverOftenItIsMade) {
                                              {"continuum.pressure_exponential.modulus", 2e6},
                                              {"continuum.pressure_exponential.growth", 7}};
   const std::string once = with_numbers(soil(folder), values, "calibrated: tuft calibrate a.toml");
-  EXPECT_THAT(once, HasSubstr("bulk_density = \"1.4 g/cm^3\"  # of a jar  # calibrated: tuft calibrate a.toml\n"));
+  EXPECT_THAT(once,
+              HasSubstr("bulk_density = \"1.4 g/cm^3\"  # of a jar  # calibrated: tuft calibrate a.toml\n"));
   EXPECT_THAT(once, HasSubstr("tension_cutoff = \"10 kPa\"  # calibrated: tuft calibrate a.toml\n"))
       << "in place of the old one";
   EXPECT_THAT(once, HasSubstr("{ modulus = \"2 MPa\", growth = 7 }  # calibrated: tuft calibrate a.toml\n"));
@@ -101,7 +102,8 @@ TEST(MaterialFile, ChangedLinesBearTheRemarkOnceHoweverOftenItIsMade) {
 TEST(MaterialFile, RefusesKeysThatItHasNot) {
   const test::ScratchFolder folder;
   const MaterialFile file = soil(folder);
-  for (const std::string key : {"continuum.unloading", "continuum.unloading.modulus", "continuum.dilation_angle"})
+  for (const std::string key :
+       {"continuum.unloading", "continuum.unloading.modulus", "continuum.dilation_angle"})
     EXPECT_THAT(test::message_of<InputError>([&] { (void)with_numbers(file, {{key, 1}}); }), HasSubstr(key));
 }
 

@@ -27,8 +27,8 @@ TEST(Identifiability, OfCoupledParametersIsTheLeastSquaresCovariance) {
   const Identifiability found = identify(s, 0);
   EXPECT_NEAR(found.together[0], std::sqrt(covariance(0, 0)), 1e-12);
   EXPECT_NEAR(found.together[1], std::sqrt(covariance(1, 1)), 1e-12);
-  EXPECT_NEAR(found.correlation(0, 1),
-              covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)), 1e-12);
+  EXPECT_NEAR(found.correlation(0, 1), covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)),
+              1e-12);
 }
 
 TEST(Identifiability, OfASumThatAloneIsSeenFindsTheDifferenceUndetermined) {

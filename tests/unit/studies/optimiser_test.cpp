@@ -52,16 +52,16 @@ TEST(Optimiser, FindsTheLeastOfACurvedValley) {
 
 TEST(Optimiser, OfOneParameterWorksToo) {
   for (const OptimiserAlgorithm algorithm : all) {
-    const Found found =
-        search(algorithm, {0.9}, [](const auto& x) { return std::pow(x[0] - 0.3, 2); }, 500);
+    const Found found = search(
+        algorithm, {0.9}, [](const auto& x) { return std::pow(x[0] - 0.3, 2); }, 500);
     EXPECT_NEAR(found.best[0], 0.3, 1e-3) << static_cast<int>(algorithm);
   }
 }
 
 TEST(Optimiser, NeverLeavesTheBoxAndReachesItsCorner) {
   for (const OptimiserAlgorithm algorithm : all) {
-    const Found found =
-        search(algorithm, {0.5, 0.0, 1.0}, [](const auto& x) { return 2 * x[0] + x[1] - x[2]; }, 600);
+    const Found found = search(
+        algorithm, {0.5, 0.0, 1.0}, [](const auto& x) { return 2 * x[0] + x[1] - x[2]; }, 600);
     for (const auto& x : found.asked)
       EXPECT_TRUE(std::ranges::all_of(x, [](double each) { return each >= 0 && each <= 1; }));
     EXPECT_NEAR(found.best[0], 0, 1e-3) << static_cast<int>(algorithm);
@@ -72,14 +72,16 @@ TEST(Optimiser, NeverLeavesTheBoxAndReachesItsCorner) {
 
 TEST(Optimiser, AsksTheSamePointsEachTime) {
   for (const OptimiserAlgorithm algorithm : all)
-    EXPECT_EQ(search(algorithm, {0.2, 0.8}, valley, 300).asked, search(algorithm, {0.2, 0.8}, valley, 300).asked)
+    EXPECT_EQ(search(algorithm, {0.2, 0.8}, valley, 300).asked,
+              search(algorithm, {0.2, 0.8}, valley, 300).asked)
         << static_cast<int>(algorithm);
 }
 
 TEST(Optimiser, KeepsToItsEvaluationsAndSaysSo) {
   for (const OptimiserAlgorithm algorithm : all) {
     const Found found = search(algorithm, {0.2, 0.8}, valley, 40);
-    EXPECT_LE(found.asked.size(), 42U) << static_cast<int>(algorithm) << ": a few beyond, by NLopt's own rules";
+    EXPECT_LE(found.asked.size(), 42U)
+        << static_cast<int>(algorithm) << ": a few beyond, by NLopt's own rules";
     EXPECT_EQ(found.end.reason, "40 evaluations");
   }
 }

@@ -19,7 +19,9 @@ std::string numbers_of(const Evaluation& made) {
   const auto number = [&](std::size_t model, const std::string& name, const std::string& quantity,
                           const std::string& unit) {
     const double value = made.outcomes[model].results.at(quantity);
-    const auto text = [&](double v) { return unit.empty() ? fmt::format("{}", v) : fmt::format("\"{} {}\"", v, unit); };
+    const auto text = [&](double v) {
+      return unit.empty() ? fmt::format("{}", v) : fmt::format("\"{} {}\"", v, unit);
+    };
     return SoilCalibration::number(name, quantity, text(value), text(0.01 * value));
   };
   return number(0, "ring", "low", "Pa") + number(0, "ring", "high", "Pa") + number(0, "ring", "loss", "") +
@@ -35,8 +37,8 @@ TEST(Calibration, RecoversTheParametersThatMadeItsNumbers) {
   const SoilCalibration soil;
   const std::string targets = numbers_of(soil.truth(truth));
   for (const std::string algorithm : {"bobyqa", "cobyla", "crs2"}) {
-    const Problem problem =
-        soil.problem(targets, pure + "[optimiser]\nalgorithm = \"" + algorithm + "\"\nmax_evaluations = 1500\n");
+    const Problem problem = soil.problem(
+        targets, pure + "[optimiser]\nalgorithm = \"" + algorithm + "\"\nmax_evaluations = 1500\n");
     const CalibrationResult result = soil.fit(problem, algorithm + ".csv");
     EXPECT_EQ(result.status, "completed");
     EXPECT_LT(result.fitted.misfit, 1e-6) << algorithm;
@@ -50,8 +52,9 @@ TEST(Calibration, RecoversTheParametersThatMadeItsCurves) {
   const SoilCalibration soil;
   const Evaluation made = soil.truth(truth);
   std::string targets;
-  for (const auto& [model, name, curve] :
-       {std::tuple{0U, "ring", "segment_1_stress"}, {0U, "ring", "segment_2_stress"}, {1U, "box", "segment_4_stress"}}) {
+  for (const auto& [model, name, curve] : {std::tuple{0U, "ring", "segment_1_stress"},
+                                           {0U, "ring", "segment_2_stress"},
+                                           {1U, "box", "segment_4_stress"}}) {
     const auto found = std::ranges::find(made.outcomes[model].curves, curve, &ModelCurve::name);
     std::string table = "strain,other,stress\n";
     for (std::size_t k = 0; k < found->x.size(); k += 10)
@@ -59,7 +62,8 @@ TEST(Calibration, RecoversTheParametersThatMadeItsCurves) {
     soil.write(fmt::format("{}_{}.csv", name, curve), table);
     targets += fmt::format(
         "[[targets]]\nmodel = \"{0}\"\nquantity = \"{1}\"\nprovenance = \"derived: by the same law\"\n"
-        "[targets.curve]\nfile = \"{0}_{1}.csv\"\nx_unit = \"%\"\ny_unit = \"kPa\"\ny_column = \"stress\"\ntolerance = "
+        "[targets.curve]\nfile = \"{0}_{1}.csv\"\nx_unit = \"%\"\ny_unit = \"kPa\"\ny_column = "
+        "\"stress\"\ntolerance = "
         "0.01\n",
         name, curve);
   }
@@ -73,8 +77,9 @@ TEST(Calibration, RecoversTheParametersThatMadeItsCurves) {
 
 TEST(Calibration, ThatBeginsInsideAllRangesStaysWhereItBegan) {
   const SoilCalibration soil;
-  const Problem problem = soil.problem(SoilCalibration::range("ring", "low", "\"1 MPa\"", "\"10 MPa\"") +
-                                       SoilCalibration::range("box", "angle", "\"5 degree\"", "\"45 degree\""));
+  const Problem problem =
+      soil.problem(SoilCalibration::range("ring", "low", "\"1 MPa\"", "\"10 MPa\"") +
+                   SoilCalibration::range("box", "angle", "\"5 degree\"", "\"45 degree\""));
   const CalibrationResult result = soil.fit(problem);
   EXPECT_EQ(result.start.misfit, 0);
   EXPECT_EQ(result.fitted.target_misfit, 0);
@@ -113,9 +118,10 @@ TEST(Calibration, KeepsToItsBoundsAndSaysWhereItLiesAtOne) {
 
 TEST(Calibration, OfOneParameterIsPossible) {
   const SoilCalibration soil;
-  const Problem problem = soil.problem(SoilCalibration::number("ring", "low", "\"5 MPa\"", "\"0.1 MPa\""), pure,
-                                       SoilCalibration::parameter("pressure_exponential.modulus", "\"0.4 MPa\"",
-                                                                  "\"4 MPa\"", "start = \"0.5 MPa\"\n"));
+  const Problem problem =
+      soil.problem(SoilCalibration::number("ring", "low", "\"5 MPa\"", "\"0.1 MPa\""), pure,
+                   SoilCalibration::parameter("pressure_exponential.modulus", "\"0.4 MPa\"", "\"4 MPa\"",
+                                              "start = \"0.5 MPa\"\n"));
   const CalibrationResult result = soil.fit(problem);
   EXPECT_NEAR(result.fitted.targets[0].value, 5e6, 100);
 }
@@ -147,11 +153,13 @@ name = "low"
 segment = 1
 between = ["50 kPa", "150 kPa"]
 )toml");
-  const std::string parameters = SoilCalibration::parameter("pressure_exponential.modulus", "\"0.4 MPa\"", "\"8 MPa\"",
-                                                            "start = \"0.8 MPa\"\nscale = \"log\"\n") +
-                                 SoilCalibration::parameter("pressure_exponential.growth", "3", "25");
-  const Problem problem = soil.problem(SoilCalibration::number("ring", "low", "\"6 MPa\"", "\"0.1 MPa\""),
-                                       "[optimiser]\nalgorithm = \"direct_l\"\nmax_evaluations = 300\n", parameters);
+  const std::string parameters =
+      SoilCalibration::parameter("pressure_exponential.modulus", "\"0.4 MPa\"", "\"8 MPa\"",
+                                 "start = \"0.8 MPa\"\nscale = \"log\"\n") +
+      SoilCalibration::parameter("pressure_exponential.growth", "3", "25");
+  const Problem problem =
+      soil.problem(SoilCalibration::number("ring", "low", "\"6 MPa\"", "\"0.1 MPa\""),
+                   "[optimiser]\nalgorithm = \"direct_l\"\nmax_evaluations = 300\n", parameters);
   const CalibrationResult result = soil.fit(problem);
   EXPECT_TRUE(result.start.failed);
   EXPECT_EQ(result.start.target_misfit, 1e4);
@@ -167,7 +175,7 @@ TEST(Calibration, CountsMaterialsThatCannotBeAsFailedButRefusesSuchAStart) {
   const SoilCalibration soil;
   // Cohesion given twice as soon as the slope of mohr_coulomb is: here dilation beyond the slope.
   const auto parameters = [](const std::string& start) {
-    return SoilCalibration::parameter("yield_a2", "0.05", "0.8", start) ;
+    return SoilCalibration::parameter("yield_a2", "0.05", "0.8", start);
   };
   soil.write("box.toml", R"toml([point]
 material = "soil"
@@ -198,15 +206,18 @@ strain = 0.2
 
 TEST(FittedFile, GivesWhatTheFitPromises) {
   const SoilCalibration soil;
-  const Problem problem = soil.problem(numbers_of(soil.truth(truth)), pure + "[optimiser]\nmax_evaluations = 80\n");
+  const Problem problem =
+      soil.problem(numbers_of(soil.truth(truth)), pure + "[optimiser]\nmax_evaluations = 80\n");
   const CalibrationResult result = soil.fit(problem);
   // The file as written, read as any user would.
-  soil.write("materials/soil.toml", problem.texts(result.fitted.values, "calibrated: tuft calibrate c.toml")[0]);
+  soil.write("materials/soil.toml",
+             problem.texts(result.fitted.values, "calibrated: tuft calibrate c.toml")[0]);
   std::string parameters = SoilCalibration::all_parameters();  // starts: left out, so the file's
   const Problem again = soil.problem(numbers_of(soil.truth(truth)), pure, parameters);
   EXPECT_EQ(again.parameters[1].start, result.fitted.values[1]);
-  const Evaluation read = evaluate(again, {{again.parameters[0].start, again.parameters[1].start,
-                                            again.parameters[2].start, again.parameters[3].start}},
+  const Evaluation read = evaluate(again,
+                                   {{again.parameters[0].start, again.parameters[1].start,
+                                     again.parameters[2].start, again.parameters[3].start}},
                                    nullptr)
                               .front();
   for (std::size_t t = 0; t < read.targets.size(); ++t)

@@ -80,7 +80,8 @@ TEST(Problem, ChangesItsFingerprintWithWhatAnEvaluationDependsOn) {
   const std::string first = soil.problem(target).fingerprint;
   EXPECT_EQ(soil.problem(target, "[optimiser]\nmax_evaluations = 7\n").fingerprint, first)
       << "more evaluations may be asked for";
-  EXPECT_NE(soil.problem(SoilCalibration::number("ring", "low", "\"4 MPa\"", "\"0.2 MPa\"")).fingerprint, first);
+  EXPECT_NE(soil.problem(SoilCalibration::number("ring", "low", "\"4 MPa\"", "\"0.2 MPa\"")).fingerprint,
+            first);
   const Problem before = soil.problem(target);
   soil.write("materials/soil.toml", before.materials[0].text + "# the same\n");
   EXPECT_EQ(soil.problem(target).fingerprint, first) << "comments say nothing";

@@ -86,20 +86,23 @@ kind = "friction_angle"
   void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
   [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
 
-  /// Four parameters, two models, then what a test adds: targets, and options of [calibration] and [optimiser].
+  /// Four parameters, two models, then what a test adds: targets, and options of [calibration] and
+  /// [optimiser].
   [[nodiscard]] Problem problem(const std::string& targets, const std::string& options = "",
                                 const std::string& parameters = all_parameters()) const {
-    write("c.toml", options + parameters +
-                        "[[models]]\nname = \"ring\"\nfile = \"ring.toml\"\n[[models]]\nname = \"box\"\nfile = "
-                        "\"box.toml\"\n" +
-                        targets);
+    write("c.toml",
+          options + parameters +
+              "[[models]]\nname = \"ring\"\nfile = \"ring.toml\"\n[[models]]\nname = \"box\"\nfile = "
+              "\"box.toml\"\n" +
+              targets);
     return make_problem(read_calibration(path("c.toml")));
   }
 
   static std::string parameter(const std::string& key, const std::string& lower, const std::string& upper,
                                const std::string& more = "scale = \"log\"") {
-    return fmt::format("[[parameters]]\nmaterial = \"soil\"\nkey = \"continuum.{}\"\nlower = {}\nupper = {}\n{}\n",
-                       key, lower, upper, more);
+    return fmt::format(
+        "[[parameters]]\nmaterial = \"soil\"\nkey = \"continuum.{}\"\nlower = {}\nupper = {}\n{}\n", key,
+        lower, upper, more);
   }
   static std::string all_parameters() {
     return parameter("pressure_exponential.modulus", "\"0.4 MPa\"", "\"4 MPa\"") +
@@ -136,14 +139,16 @@ kind = "friction_angle"
   static std::string number(const std::string& model, const std::string& quantity, const std::string& value,
                             const std::string& tolerance) {
     return fmt::format(
-        "[[targets]]\nmodel = \"{}\"\nquantity = \"{}\"\nnumber = {}\ntolerance = {}\nprovenance = \"derived: by "
+        "[[targets]]\nmodel = \"{}\"\nquantity = \"{}\"\nnumber = {}\ntolerance = {}\nprovenance = "
+        "\"derived: by "
         "the same law\"\n",
         model, quantity, value, tolerance);
   }
   static std::string range(const std::string& model, const std::string& quantity, const std::string& low,
                            const std::string& high, double margin = 0) {
     return fmt::format(
-        "[[targets]]\nmodel = \"{}\"\nquantity = \"{}\"\nrange = [{}, {}]\nmargin = {}\nprovenance = \"derived: by "
+        "[[targets]]\nmodel = \"{}\"\nquantity = \"{}\"\nrange = [{}, {}]\nmargin = {}\nprovenance = "
+        "\"derived: by "
         "the same law\"\n",
         model, quantity, low, high, margin);
   }
