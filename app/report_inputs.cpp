@@ -56,7 +56,8 @@ std::string settings_table(const Runs& runs) {
     return s.numerics.coupling_window > 0 ? format_quantity(s.numerics.coupling_window, "s")
                                           : "the infill’s own step";
   });
-  if (std::any_of(runs.begin(), runs.end(), [](const RunData& r) { return r.scene && r.scene->conditioning.on(); }))
+  if (std::any_of(runs.begin(), runs.end(),
+                  [](const RunData& r) { return r.scene && r.scene->conditioning.on(); }))
     add("Conditioning", [](const Scene& s) -> std::string {
       const Conditioning& c = s.conditioning;
       if (!c.on()) return "none";

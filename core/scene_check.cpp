@@ -189,7 +189,8 @@ void check_tray(Scene& scene, const Places& places) {
                             in_mm(depth)));
 }
 
-/// Spheres of a regular bed fill pi/6 of their cubes; random packings are no denser than 0.64 (Scott & Kilgour 1969).
+/// Spheres of a regular bed fill pi/6 of their cubes; random packings are no denser than 0.64 (Scott &
+/// Kilgour 1969).
 void check_conditioning(const Scene& scene, const Places& places) {
   const Conditioning& conditioning = scene.conditioning;
   if (!conditioning.on()) return;
@@ -203,14 +204,16 @@ void check_conditioning(const Scene& scene, const Places& places) {
                pressed = placed / (1 - conditioning.depth / depth);
   if (pressed <= densest) return;
   if (placed > densest)
-    places.fail("conditioning.sphere_diameter",
-                fmt::format("spheres fill {:.2g} of the room as placed, and cannot fill more than 0.64 in any "
-                            "disordered bed; make them smaller (0.96 can be pressed by an eighth)",
-                            placed));
-  places.fail("conditioning.depth",
-              fmt::format("spheres would fill {:.2g} of the room, more than the 0.64 of the densest disordered bed; "
-                          "at most {} can be pressed with conditioning.sphere_diameter = {:g}",
-                          pressed, in_mm(depth * (1 - placed / densest)), conditioning.sphere_diameter));
+    places.fail(
+        "conditioning.sphere_diameter",
+        fmt::format("spheres fill {:.2g} of the room as placed, and cannot fill more than 0.64 in any "
+                    "disordered bed; make them smaller (0.96 can be pressed by an eighth)",
+                    placed));
+  places.fail(
+      "conditioning.depth",
+      fmt::format("spheres would fill {:.2g} of the room, more than the 0.64 of the densest disordered bed; "
+                  "at most {} can be pressed with conditioning.sphere_diameter = {:g}",
+                  pressed, in_mm(depth * (1 - placed / densest)), conditioning.sphere_diameter));
 }
 
 void check_missile(const Scene& scene, const Places& places) {

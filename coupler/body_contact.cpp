@@ -109,7 +109,8 @@ void BodyContact::let_go(Index body, const ParticleView& points, const std::vect
     const Index i = key_point(keys_[g]);
     ContactHistory& history = histories_[g];
     const double stiffness = settings_.stiffness[i],
-                 distance = surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
+                 distance =
+                     surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
                  overlap = points.radius[i] - distance - history.offset / std::sqrt(stiffness) * release;
     if (overlap > 0) energy_.damped += 0.5 * stiffness * overlap * overlap;
     energy_.friction += release_spring(history);

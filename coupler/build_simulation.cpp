@@ -73,7 +73,8 @@ std::vector<double> node_radii(const fe::ShellMesh& mesh) {
 /// Just above all particles and nodes, m.
 double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::span<const double> node_radius) {
   double top = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < particles.size(); ++i) top = std::max(top, particles.z[i] + particles.radius[i]);
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    top = std::max(top, particles.z[i] + particles.radius[i]);
   for (std::size_t n = 0; n < nodes.z.size(); ++n) top = std::max(top, nodes.z[n] + node_radius[n]);
   constexpr double clearance = 1e-4;
   return top + clearance;

@@ -10,8 +10,8 @@
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_effects.h"
-#include "sph_infill/sphere_infill.h"
 #include "sph_infill/sph_infill.h"
+#include "sph_infill/sphere_infill.h"
 
 namespace tuft::coupler {
 
@@ -30,7 +30,7 @@ struct BuildRequest {
 
 struct BuiltSimulation {
   std::unique_ptr<Simulation> simulation;
-  const dem::DemInfill* dem = nullptr;  ///< the simulation's infill when it is DEM
+  const dem::DemInfill* dem = nullptr;   ///< the simulation's infill when it is DEM
   sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
   std::size_t plate = 0;  ///< body of conditioning, behind the rig's; 0: the scene has none

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "coupler/contact_law.h"
 #include "coupler/fastest.h"
+#include "sph_infill/soil_law.h"
 #include "sph_infill/sphere_placing.h"
 
 namespace tuft::coupler {
@@ -14,6 +16,25 @@ constexpr double most_overlap = 0.01;  // of the diameter, at numerics.contact_p
 
 sph::LatticeBox lattice_box(const Scene& scene) {
   return {scene.turf.size, scene.turf.carpet.backing_thickness};
+}
+
+/// A law that cannot be left as dense as the bed will be is better known before the bed is pressed. Local
+/// compression has been seen up to twice the mean one.
+void check_state(const Scene& scene, const sph::SphSettings& settings) {
+  if (scene.conditioning.state == ConditionedState::initial) return;
+  const double depth = scene.infill_depth(), mean = std::log(depth / (depth - scene.conditioning.depth));
+  for (const Layer& layer : scene.turf.layers) {
+    const Material& material = scene.materials.at(static_cast<std::size_t>(layer.material));
+    const sph::SoilLaw law =
+        sph::make_soil_law(*material.continuum, settings.tension_cutoff, settings.soil_effects);
+    if (!sph::is_left_compacted(law, scene.conditioning.state)) continue;
+    try {
+      (void)sph::compacted_state(law, 2 * mean);
+    } catch (const InputError& error) {
+      throw_input_error("{}: conditioning.state: {} cannot be left so dense: {}; or set it to \"initial\"",
+                        scene.file, material.name, error.what());
+    }
+  }
 }
 
 /// Mean and standard deviation by layer.
@@ -61,10 +82,12 @@ double pressed_height(const Scene& scene) {
   return scene.turf.carpet.backing_thickness + scene.infill_depth() - scene.conditioning.depth;
 }
 
-std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene, const std::vector<EffectDecision>& effects,
+std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
+                                                 const std::vector<EffectDecision>& effects,
                                                  const sph::Lattice& lattice) {
   sph::SphereSettings settings;
   const sph::SphSettings continuum = sph_settings(scene, effects);
+  check_state(scene, continuum);
   settings.options = continuum.options;
   settings.gravity = continuum.gravity;
   settings.diameter_ratio = scene.conditioning.sphere_diameter;
@@ -80,8 +103,8 @@ std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene, const std::
   placing.wall_radius = lattice.radius.empty() ? sph::sphere_radii(lattice, 1) : lattice.radius;
   placing.box = lattice_box(scene);
   placing.seed = scene.numerics.seed;
-  return std::make_unique<sph::SphereInfill>(lattice, scene.materials, sph::place_spheres(lattice, placing).position,
-                                             settings);
+  return std::make_unique<sph::SphereInfill>(lattice, scene.materials,
+                                             sph::place_spheres(lattice, placing).position, settings);
 }
 
 std::unique_ptr<Infill> take_over(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -95,8 +118,8 @@ std::unique_ptr<Infill> take_over(const Scene& scene, const std::vector<EffectDe
   const sph::Lattice lattice = scene_lattice(scene);
   for (std::size_t i = 0; i < lattice.volume.size(); ++i)
     report.volume += lattice.volume[i] / std::max(1.0, bed.density_ratio[i]);
-  auto continuum = std::make_unique<sph::SphInfill>(lattice, scene.materials,
-                                                    sph_settings(scene, effects), bed, scene.conditioning.state);
+  auto continuum = std::make_unique<sph::SphInfill>(lattice, scene.materials, sph_settings(scene, effects),
+                                                    bed, scene.conditioning.state);
   report.started_as_placed =
       static_cast<double>(continuum->loosest_started()) / static_cast<double>(bed.density_ratio.size());
   return continuum;

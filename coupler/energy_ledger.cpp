@@ -46,8 +46,8 @@ void EnergyLedger::save(h5::Group& group) const {
 
 void EnergyLedger::load(const h5::Group& group) {
   const std::vector<double> v = group.read_doubles("last");
-  last_ = {v.at(0), v.at(1), v.at(2), v.at(3),  v.at(4),  v.at(5),  v.at(6),
-           v.at(7), v.at(8), v.at(9), v.at(10), v.at(11), v.at(12), v.at(13), v.at(14)};
+  last_ = {v.at(0), v.at(1), v.at(2),  v.at(3),  v.at(4),  v.at(5),  v.at(6), v.at(7),
+           v.at(8), v.at(9), v.at(10), v.at(11), v.at(12), v.at(13), v.at(14)};
   const std::vector<double> s = group.read_doubles("state");
   scale_ = s.at(0);
   reference_ = s.at(1);

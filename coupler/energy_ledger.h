@@ -25,20 +25,18 @@ struct EnergyTerms {
   double contact_friction = 0;
   double gravity_potential = 0;  ///< relative to z = 0
   double damping = 0;            ///< taken out by mass-proportional damping
-  double conditioning = 0;       ///< what spheres held that the continuum in their place cannot (springs, spin)
-  double external_work = 0;      ///< put in: released overlap, bodies set in motion, driven bodies
+  double conditioning = 0;   ///< what spheres held that the continuum in their place cannot (springs, spin)
+  double external_work = 0;  ///< put in: released overlap, bodies set in motion, driven bodies
 
   static constexpr std::size_t count = 15;
   static constexpr std::array<std::string_view, count> names{
       "kinetic_carpet",   "kinetic_infill",    "kinetic_bodies",    "strain_carpet",   "hourglass",
       "eroded",           "stored_infill",     "dissipated_infill", "contact_elastic", "contact_damping",
-      "contact_friction", "gravity_potential", "damping",           "conditioning",
-      "external_work"};
+      "contact_friction", "gravity_potential", "damping",           "conditioning",    "external_work"};
   [[nodiscard]] std::array<double, count> values() const {
     return {kinetic_carpet,   kinetic_infill,    kinetic_bodies,    strain_carpet,   hourglass,
             eroded,           stored_infill,     dissipated_infill, contact_elastic, contact_damping,
-            contact_friction, gravity_potential, damping,           conditioning,
-            external_work};
+            contact_friction, gravity_potential, damping,           conditioning,    external_work};
   }
   [[nodiscard]] double balance() const {
     double sum = 0;

@@ -96,13 +96,15 @@ std::map<std::string, Quantity> Compaction::notes() const {
   notes["conditioning_speed_at_switch"] = {switch_.fastest, "m/s"};
   if (!released_.empty()) notes["conditioning_speed_at_release"] = {settled_speed_, "m/s"};
   // Volumes from the kernel's sums over the patch, for comparison with the depth at the switch.
-  notes["conditioning_depth_of_volumes"] = {switch_.volume / (scene_->turf.size[0] * scene_->turf.size[1]), "m"};
+  notes["conditioning_depth_of_volumes"] = {switch_.volume / (scene_->turf.size[0] * scene_->turf.size[1]),
+                                            "m"};
   notes["conditioning_started_as_placed"] = {switch_.started_as_placed, "1"};
   const auto& layers = scene_->turf.layers;
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const Material& material = scene_->materials.at(static_cast<std::size_t>(layers[k].material));
     const std::string name = fmt::format("conditioning_layer_{}_{}", k + 1, material.name);
-    const double placed = material.continuum->density, thickness = switched_[k] - (k > 0 ? switched_[k - 1] : 0);
+    const double placed = material.continuum->density,
+                 thickness = switched_[k] - (k > 0 ? switched_[k - 1] : 0);
     notes[name + "_density_placed"] = {placed, "kg/m^3"};
     notes[name + "_density_reached"] = {placed * switch_.density_mean.at(k), "kg/m^3"};
     notes[name + "_density_deviation"] = {placed * switch_.density_deviation.at(k), "kg/m^3"};

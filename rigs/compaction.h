@@ -1,6 +1,6 @@
 #pragma once
-/// Conditioning as it runs: a plate comes down, is lifted and taken away; rigid spheres give way to the continuum
-/// (docs/conditioning.md).
+/// Conditioning as it runs: a plate comes down, is lifted and taken away; rigid spheres give way to the
+/// continuum (docs/conditioning.md).
 #include <array>
 #include <cstdint>
 #include <map>
@@ -14,8 +14,8 @@
 
 namespace tuft::rigs {
 
-/// Height of a plate that moves from `from` to `to` (m) in `intervals`, after `done` of them. Half a cosine: its speed
-/// begins and ends at 0 and has no jump but those of intervals.
+/// Height of a plate that moves from `from` to `to` (m) in `intervals`, after `done` of them. Half a cosine:
+/// its speed begins and ends at 0 and has no jump but those of intervals.
 [[nodiscard]] double plate_height(double from, double to, std::uint64_t done, std::uint64_t intervals);
 
 class Compaction {
@@ -25,8 +25,8 @@ class Compaction {
 
   /// "pressing", "lifting", "settling" of the interval that ends at `index`; empty once conditioning is over.
   [[nodiscard]] std::string stage(std::uint64_t index) const;
-  /// What is due before the interval that begins at `index`: drives the plate, takes it away, switches the infill.
-  /// Throws InputError, see coupler::take_over.
+  /// What is due before the interval that begins at `index`: drives the plate, takes it away, switches the
+  /// infill. Throws InputError, see coupler::take_over.
   void before_interval(std::uint64_t index, const std::vector<EffectDecision>& effects,
                        coupler::BuiltSimulation& built);
   /// Measures after the interval that ended at `index`.
@@ -50,7 +50,8 @@ class Compaction {
   double start_ = 0, pressed_ = 0;  ///< m, heights of the plate's face
   double plate_force_ = 0;          ///< N, on the plate over the last interval, upwards
   double largest_pressure_ = 0;     ///< Pa, mean under the plate
-  std::vector<double> placed_, under_plate_, lifted_, switched_, released_;  ///< m, layer tops above the backing
+  std::vector<double> placed_, under_plate_, lifted_, switched_,
+      released_;  ///< m, layer tops above the backing
   coupler::SwitchReport switch_;
   bool switched_over_ = false;
   double settled_speed_ = 0;  ///< m/s, of the fastest particle at the release

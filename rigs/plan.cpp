@@ -114,10 +114,10 @@ void plan_conditioning(RunPlan& plan, const Scene& scene) {
   const std::uint64_t windows = plan.windows;
   const double wall = time_intervals(scene, state) * static_cast<double>(intervals);
   plan.predicted_wall_s += wall;
-  plan.remarks.push_back(
-      fmt::format("conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres "
-                  "in each, about {:.3g} s (conditioning.press_time sets most of it)",
-                  1e3 * static_cast<double>(intervals) * state.schedule.interval, windows, plan.infill_substeps, wall));
+  plan.remarks.push_back(fmt::format(
+      "conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres "
+      "in each, about {:.3g} s (conditioning.press_time sets most of it)",
+      1e3 * static_cast<double>(intervals) * state.schedule.interval, windows, plan.infill_substeps, wall));
 }
 
 /// Builds the run and times its real loops over the first intervals.

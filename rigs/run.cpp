@@ -167,7 +167,8 @@ class Runner {
   /// Steps up to the end of conditioning are what conditioning costs.
   void count_steps() {
     const bool conditioning = state_.index < state_.schedule.conditioned();
-    state_.simulation().timers().count_steps_as(conditioning ? std::optional(Phase::conditioning) : std::nullopt);
+    state_.simulation().timers().count_steps_as(conditioning ? std::optional(Phase::conditioning)
+                                                             : std::nullopt);
   }
 
   /// What conditioning has to do before the next interval.
@@ -184,8 +185,8 @@ class Runner {
   /// Wall time by phase, what was spent before a resume included.
   [[nodiscard]] std::map<std::string, double> cost() {
     const bool conditioning = state_.index < state_.schedule.conditioned();
-    std::map<std::string, double> total =
-        cost_by_phase(state_.simulation(), state_.built, conditioning ? host_seconds(state_.built) : conditioning_);
+    std::map<std::string, double> total = cost_by_phase(
+        state_.simulation(), state_.built, conditioning ? host_seconds(state_.built) : conditioning_);
     for (const auto& [phase, seconds] : before_.cost) total[phase] += seconds;
     return total;
   }

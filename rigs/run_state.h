@@ -34,8 +34,8 @@ struct RunState {
   [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }
 };
 
-/// Builds what a scene asks for. `grains`: see BuildRequest. index: where the run will go on, for SPH infill that is
-/// not yet conditioned is made of spheres.
+/// Builds what a scene asks for. `grains`: see BuildRequest. index: where the run will go on, for SPH infill
+/// that is not yet conditioned is made of spheres.
 [[nodiscard]] RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
                                       const std::function<void(const std::string&, double)>& on_progress);
 

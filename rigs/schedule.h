@@ -9,10 +9,10 @@ namespace tuft::rigs {
 /// Everything is scheduled on a grid of output.histories: settling, drop, frames and checkpoints are whole
 /// numbers of its intervals, so that times do not drift and a resumed run meets the same instants.
 struct Schedule {
-  double interval = 0;       ///< s
+  double interval = 0;                          ///< s
   std::uint64_t press = 0, lift = 0, rest = 0;  ///< intervals of conditioning: plate down, up, and gone
   std::uint64_t settle = 0;                     ///< intervals of settling between that and the release
-  std::uint64_t end = 0;     ///< intervals in all
+  std::uint64_t end = 0;                        ///< intervals in all
   std::uint64_t frame_every = 1;
   std::uint64_t conditioning_frame_every = 1;
   std::uint64_t checkpoint_every = 0;  ///< 0: only at the end and on interruption

@@ -12,7 +12,8 @@ CompactionMeasure::CompactionMeasure(const Lattice& lattice, const SphOptions& o
       pitch_(lattice.pitch),
       placed_(sums(lattice.position, lattice.volume)) {}
 
-std::vector<double> CompactionMeasure::sums(const Vec3Array& position, const std::vector<double>& weight) const {
+std::vector<double> CompactionMeasure::sums(const Vec3Array& position,
+                                            const std::vector<double>& weight) const {
   NeighbourList list(position, 2 * options_.smoothing_length, 0.01 * pitch_);
   list.build(position);
   std::vector<double> result(position.size());
@@ -35,7 +36,8 @@ std::vector<double> CompactionMeasure::ratio(const Vec3Array& position) const {
   return ratio;
 }
 
-std::vector<double> CompactionMeasure::smoothed(const Vec3Array& position, const std::vector<double>& ratio) const {
+std::vector<double> CompactionMeasure::smoothed(const Vec3Array& position,
+                                                const std::vector<double>& ratio) const {
   std::vector<double> volume = volume_;
   for (std::size_t i = 0; i < volume.size(); ++i) volume[i] /= ratio[i];
   // The mean of V0/V weighted by V is the sum of V0 over that of V.

@@ -75,8 +75,8 @@ struct Particles {
 
   // What never changes.
   std::vector<double> mass, radius;      ///< kg, m
-  std::vector<double> reference_volume;  ///< m^3 at no strain: mass over the law's density, unless a compacted bed
-                                         ///< made the density it had reached the reference
+  std::vector<double> reference_volume;  ///< m^3 at no strain: mass over the law's density, unless a
+                                         ///< compacted bed made the density it had reached the reference
   std::vector<Index> layer, material;  ///< material: also the index into the laws
 
   // What follows from the above in every step.

@@ -52,8 +52,8 @@ SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materi
   impl_->begin(lattice.pitch, settings.sleep_tolerance);
 }
 
-SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings,
-                     const CompactedBed& bed, ConditionedState state)
+SphInfill::SphInfill(const Lattice& lattice, const std::vector<Material>& materials,
+                     const SphSettings& settings, const CompactedBed& bed, ConditionedState state)
     : impl_(std::make_unique<Impl>()) {
   impl_->set_up(lattice, materials, settings);
   try {
@@ -115,13 +115,14 @@ void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start)
   for (std::size_t i = 0; i < n; ++i) {
     const double ratio = bed.density_ratio[i];
     if (!(ratio > smallest_density_ratio && ratio < largest_density_ratio))
-      throw_run_error("SPH infill: particle {} of a compacted bed has {:.6g} times its density as placed, outside [{}, {}]",
-                      i, ratio, smallest_density_ratio, largest_density_ratio);
+      throw_run_error(
+          "SPH infill: particle {} of a compacted bed has {:.6g} times its density as placed, outside [{}, "
+          "{}]",
+          i, ratio, smallest_density_ratio, largest_density_ratio);
     const SoilLaw& law = settings.laws[static_cast<std::size_t>(p.material[i])];
     if (ratio < 1) ++loosest_started;
     const double reached = std::max(1.0, ratio);
-    const bool hardens = law.modulus_exponent > 0 || law.cohesion_exponent > 0 || law.friction_exponent > 0;
-    if (start == ConditionedState::initial || (start == ConditionedState::automatic && !hardens)) {
+    if (!is_left_compacted(law, start)) {
       p.volume[i] = p.reference_volume[i] = p.mass[i] / (law.density * reached);
       continue;
     }

@@ -51,19 +51,19 @@ struct SphSettings {
 struct CompactedBed {
   Vec3Array position, velocity;       ///< m, m/s, both at `time`
   std::vector<double> density_ratio;  ///< density reached over that as placed, > 0 (compaction.h)
-  InfillEnergy energy;                ///< J: sums up to now, `let_go` with what a continuum cannot hold; stored is 0
-  double time = 0;                    ///< s
-  double damping = 0;                 ///< 1/s, as set
+  InfillEnergy energy;  ///< J: sums up to now, `let_go` with what a continuum cannot hold; stored is 0
+  double time = 0;      ///< s
+  double damping = 0;   ///< 1/s, as set
 };
 
 class SphInfill final : public Infill {
  public:
   /// materials: Scene::materials; every material index of the lattice must have `continuum`.
   SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
-  /// Takes over a compacted bed: mass, order, layer, material and contact radius are the lattice's, volumes are mass
-  /// over the density reached. Particles less dense than as placed (proud ones, at the surface) get the volume they
-  /// were placed with; `loosest_started` counts them. Throws InputError for a law that compaction cannot leave at
-  /// that density.
+  /// Takes over a compacted bed: mass, order, layer, material and contact radius are the lattice's, volumes
+  /// are mass over the density reached. Particles less dense than as placed (proud ones, at the surface) get
+  /// the volume they were placed with; `loosest_started` counts them. Throws InputError for a law that
+  /// compaction cannot leave at that density.
   SphInfill(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings,
             const CompactedBed& bed, ConditionedState state);
   ~SphInfill() override;

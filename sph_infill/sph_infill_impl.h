@@ -21,8 +21,8 @@ struct SphInfill::Impl {
   double displacement = 0;
   Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
-  InfillEnergy energy;  ///< as of the last force evaluation
-  bool took_over = false;            ///< a compacted bed: reference volumes are state
+  InfillEnergy energy;     ///< as of the last force evaluation
+  bool took_over = false;  ///< a compacted bed: reference volumes are state
   std::uint64_t loosest_started = 0;
   /// Works of the part of the last kick that lies after that moment.
   struct {

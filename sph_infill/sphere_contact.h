@@ -1,6 +1,6 @@
 #pragma once
-/// The force between two soft spheres: linear spring and dashpot along the line of centres, Coulomb friction with
-/// a tangential spring. A pure function of one pair.
+/// The force between two soft spheres: linear spring and dashpot along the line of centres, Coulomb friction
+/// with a tangential spring. A pure function of one pair.
 #include <algorithm>
 #include <cmath>
 
@@ -20,22 +20,24 @@ struct SphereBond {
 
 /// One moment of a pair that overlaps, as the first sphere sees it.
 struct SphereMotion {
-  double overlap = 0;         ///< m, > 0
-  Vec3 normal{0, 0, 1};       ///< unit, from the second centre to the first
-  Vec3 velocity{0, 0, 0};     ///< m/s, of the first relative to the second, at the point of contact
-  double step_before = 0;     ///< s, of the drift that led here
+  double overlap = 0;      ///< m, > 0
+  Vec3 normal{0, 0, 1};    ///< unit, from the second centre to the first
+  Vec3 velocity{0, 0, 0};  ///< m/s, of the first relative to the second, at the point of contact
+  double step_before = 0;  ///< s, of the drift that led here
 };
 
 struct SphereForce {
-  Vec3 spring{0, 0, 0};  ///< N on the first: k overlap normal
-  Vec3 other{0, 0, 0};   ///< N on the first: dashpot and friction
+  Vec3 spring{0, 0, 0};                             ///< N on the first: k overlap normal
+  Vec3 other{0, 0, 0};                              ///< N on the first: dashpot and friction
   double normal_energy = 0, tangential_energy = 0;  ///< J, in the springs
 };
 
-/// F = k d n + other. Along n the dashpot can take the spring's force away, never pull. Across, T = -k_t s - c_t v_t
-/// with the slip s since first touch, turned into the present tangent plane at its length and cut so that
-/// |T| <= mu |F_n|; `slip` (m) is what the pair remembers. An exchange of the two spheres turns every sign.
-[[nodiscard]] inline SphereForce sphere_force(const SphereBond& bond, const SphereMotion& motion, Vec3& slip) {
+/// F = k d n + other. Along n the dashpot can take the spring's force away, never pull. Across, T = -k_t s -
+/// c_t v_t with the slip s since first touch, turned into the present tangent plane at its length and cut so
+/// that |T| <= mu |F_n|; `slip` (m) is what the pair remembers. An exchange of the two spheres turns every
+/// sign.
+[[nodiscard]] inline SphereForce sphere_force(const SphereBond& bond, const SphereMotion& motion,
+                                              Vec3& slip) {
   SphereForce result;
   const double spring_force = bond.stiffness * motion.overlap;
   const double approach = -motion.velocity.dot(motion.normal);

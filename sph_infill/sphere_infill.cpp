@@ -52,8 +52,8 @@ void check(const SphereSettings& settings, std::size_t materials) {
   if (!(settings.friction >= 0) || !std::isfinite(settings.friction))
     throw_input_error("spheres of conditioning: friction is {}; it must be at least 0", settings.friction);
   if (settings.damping_ratio.size() != materials)
-    throw_input_error("spheres of conditioning: {} damping ratios for {} materials", settings.damping_ratio.size(),
-                      materials);
+    throw_input_error("spheres of conditioning: {} damping ratios for {} materials",
+                      settings.damping_ratio.size(), materials);
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ struct SphereInfill::Impl {
   double largest_overlap = 0;
   std::uint64_t particle_steps = 0;
   double kinetic = 0, potential = 0, normal = 0, tangential = 0;  ///< J, as of the last force evaluation
-  WorkAccount other, damped, contact;                             ///< J, work of dashpots and friction on the spheres
+  WorkAccount other, damped, contact;  ///< J, work of dashpots and friction on the spheres
   std::vector<BlockSums> blocks;
 
   [[nodiscard]] SphereView view() const { return {position, velocity, spin, radius, mass, damping_ratio}; }
@@ -92,8 +92,8 @@ struct SphereInfill::Impl {
   void visit_numbers(Visit&& visit);
 };
 
-SphereInfill::SphereInfill(const Lattice& lattice, const std::vector<Material>& materials, const Vec3Array& position,
-                           const SphereSettings& settings)
+SphereInfill::SphereInfill(const Lattice& lattice, const std::vector<Material>& materials,
+                           const Vec3Array& position, const SphereSettings& settings)
     : impl_(std::make_unique<Impl>()) {
   check(settings, materials.size());
   const std::size_t n = lattice.position.size();
@@ -118,7 +118,8 @@ SphereInfill::SphereInfill(const Lattice& lattice, const std::vector<Material>& 
     m.mass.push_back(m.density[i] * lattice.volume[i]);
     m.damping_ratio.push_back(settings.damping_ratio[k]);
   }
-  m.pairs = SpherePairs(m.view(), skin_over_diameter * 2 * *std::max_element(m.radius.begin(), m.radius.end()));
+  m.pairs =
+      SpherePairs(m.view(), skin_over_diameter * 2 * *std::max_element(m.radius.begin(), m.radius.end()));
   m.compaction = std::make_unique<CompactionMeasure>(lattice, settings.options);
   m.blocks.resize((n + block_size - 1) / block_size);
 }
@@ -127,7 +128,7 @@ SphereInfill::~SphereInfill() = default;
 
 ParticleView SphereInfill::particles() const {
   const Impl& m = *impl_;
-  return {m.position.x, m.position.y, m.position.z, m.velocity.x,     m.velocity.y, m.velocity.z, m.spin.x,
+  return {m.position.x, m.position.y, m.position.z,     m.velocity.x, m.velocity.y, m.velocity.z, m.spin.x,
           m.spin.y,     m.spin.z,     m.contact_radius, m.mass,       m.layer,      m.material};
 }
 
@@ -188,7 +189,8 @@ BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, d
       position.add(i, dt * velocity[i]);
       const double speed_squared = velocity[i].squaredNorm();
       sums.largest_speed_squared = std::max(sums.largest_speed_squared, speed_squared);
-      if (!std::isfinite(speed_squared + spin[i].squaredNorm() + position[i].squaredNorm())) sums.valid = false;
+      if (!std::isfinite(speed_squared + spin[i].squaredNorm() + position[i].squaredNorm()))
+        sums.valid = false;
     }
   });
   BlockSums sum;
@@ -201,8 +203,8 @@ BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, d
   return sum;
 }
 
-/// Velocity and spin under all that acts over the kick, and the works of it. Damping acts on the mean of the values
-/// before and after.
+/// Velocity and spin under all that acts over the kick, and the works of it. Damping acts on the mean of the
+/// values before and after.
 void SphereInfill::Impl::kick_sphere(std::size_t i, double dt, const Vec3& impulse, const Vec3& angular,
                                      BlockSums& sums) {
   const double t = 0.5 * (step_before + dt), half_damping = 0.5 * damping * t;
@@ -242,11 +244,13 @@ void SphereInfill::Impl::report_invalid() const {
     const Vec3 v = velocity[i], w = spin[i], x = position[i];
     if (!v.allFinite() || !w.allFinite() || !x.allFinite())
       throw_run_error(
-          "sphere {} of conditioning at t = {:.6g} s: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s, spin ({}, {}, "
+          "sphere {} of conditioning at t = {:.6g} s: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s, "
+          "spin ({}, {}, "
           "{}) rad/s; look at the contact that loads it, or lower numerics.step_safety",
           i, time, x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), w.x(), w.y(), w.z());
   }
-  throw_run_error("spheres of conditioning at t = {:.6g} s: speeds are too large to square; the run is unstable", time);
+  throw_run_error(
+      "spheres of conditioning at t = {:.6g} s: speeds are too large to square; the run is unstable", time);
 }
 
 void SphereInfill::set_damping(double rate) {
@@ -289,7 +293,8 @@ void SphereInfill::set_spin(std::size_t i, const Vec3& w) {
 
 CompactedBed SphereInfill::hand_over() {
   Impl& m = *impl_;
-  // A kick of no step after t_k brings velocities there; `centred` then holds for the step that would have followed.
+  // A kick of no step after t_k brings velocities there; `centred` then holds for the step that would have
+  // followed.
   const PairSums springs = m.pairs.evaluate(m.law, m.view(), m.step_before);
   m.normal = springs.normal;
   m.tangential = springs.tangential;
@@ -336,7 +341,8 @@ template <class Visit>
 void SphereInfill::Impl::visit_numbers(Visit&& visit) {
   visit("time", time), visit("step_before", step_before), visit("damping", damping);
   visit("largest_overlap", largest_overlap);
-  visit("kinetic", kinetic), visit("potential", potential), visit("normal", normal), visit("tangential", tangential);
+  visit("kinetic", kinetic), visit("potential", potential), visit("normal", normal),
+      visit("tangential", tangential);
   visit("other", other.sum), visit("other_pending", other.pending);
   visit("damped", damped.sum), visit("damped_pending", damped.pending);
   visit("contact", contact.sum), visit("contact_pending", contact.pending);
@@ -362,7 +368,8 @@ void SphereInfill::load(const h5::Group& group) {
     const std::size_t n = v.size();
     v = {group.read_doubles(name + "x"), group.read_doubles(name + "y"), group.read_doubles(name + "z")};
     if (v.x.size() != n || v.y.size() != n || v.z.size() != n)
-      throw_input_error("checkpoint holds {} spheres, but the scene has {}; it belongs to another scene", v.x.size(), n);
+      throw_input_error("checkpoint holds {} spheres, but the scene has {}; it belongs to another scene",
+                        v.x.size(), n);
   };
   read("position_", m.position), read("velocity_", m.velocity), read("spin_", m.spin);
   m.visit_numbers([&](const char* name, double& value) { value = group.read_double(name); });

@@ -35,7 +35,8 @@ void SpherePairs::list(const SphereView& spheres) {
                (static_cast<std::size_t>(first_[k]) == i && second_[k] < j);
       };
       while (old < first_.size() && before(old)) ++old;
-      const bool kept = old < first_.size() && static_cast<std::size_t>(first_[old]) == i && second_[old] == j;
+      const bool kept =
+          old < first_.size() && static_cast<std::size_t>(first_[old]) == i && second_[old] == j;
       slip.push_back(kept ? slip_[old] : Vec3(0, 0, 0));
       first.push_back(static_cast<Index>(i));
       second.push_back(j);
@@ -126,7 +127,8 @@ double SpherePairs::frequency_squared(const SphereLaw& law, const SphereView& s)
       double sum = 0;
       for_pairs_of(i, [&](std::size_t, double, std::size_t j) {
         const double reach = s.radius[i] + s.radius[j];
-        if ((s.position[i] - s.position[j]).squaredNorm() < reach * reach) sum += bond_stiffness(law, s, i, j);
+        if ((s.position[i] - s.position[j]).squaredNorm() < reach * reach)
+          sum += bond_stiffness(law, s, i, j);
       });
       sum = std::max(sum, least_contacts * bond_stiffness(law, s, i, i));
       largest[b] = std::max(largest[b], 2 * sum / s.mass[i]);
@@ -161,13 +163,17 @@ void SpherePairs::load(const h5::Group& group, const SphereView& spheres) {
   for (std::size_t p = 0; 2 * p + 1 < pairs.size(); ++p) {
     const Index i = pairs[2 * p], j = pairs[2 * p + 1];
     const bool known = i >= 0 && static_cast<std::size_t>(i) < spheres.mass.size();
-    const auto end = known ? second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i) + 1])
-                           : second_.end();
+    const auto end =
+        known ? second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i) + 1])
+              : second_.end();
     const auto found =
-        known ? std::lower_bound(second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i)]), end, j)
-              : end;
+        known
+            ? std::lower_bound(
+                  second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i)]), end, j)
+            : end;
     if (found == end || *found != j) throw_run_error("spheres {} and {} are no pair", i, j);
-    slip_.set(static_cast<std::size_t>(found - second_.begin()), Vec3(slips.at(3 * p), slips.at(3 * p + 1), slips.at(3 * p + 2)));
+    slip_.set(static_cast<std::size_t>(found - second_.begin()),
+              Vec3(slips.at(3 * p), slips.at(3 * p + 1), slips.at(3 * p + 2)));
   }
 }
 

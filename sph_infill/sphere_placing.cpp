@@ -13,7 +13,8 @@ namespace {
 
 constexpr double largest_offset = 0.1;  // of the diameter, along each axis
 constexpr double tolerance = 1e-4;      // of the sum of the radii
-constexpr double relaxation = 0.6;      // of half the overlap: whole steps of many neighbours at once would overshoot
+constexpr double relaxation =
+    0.6;  // of half the overlap: whole steps of many neighbours at once would overshoot
 constexpr int most_sweeps = 5000;
 
 /// [-1, 1), the same on every machine.
@@ -27,7 +28,8 @@ class Placer {
     std::mt19937_64 engine(request.seed);
     for (std::size_t i = 0; i < size(); ++i) {
       const double reach = largest_offset * 2 * radius(i);
-      const double dx = reach * symmetric(engine), dy = reach * symmetric(engine), dz = reach * symmetric(engine);
+      const double dx = reach * symmetric(engine), dy = reach * symmetric(engine),
+                   dz = reach * symmetric(engine);
       x_.set(i, inside(i, x_[i] + Vec3(dx, dy, dz)));
     }
     const double largest = *std::max_element(request.sphere_radius.begin(), request.sphere_radius.end());

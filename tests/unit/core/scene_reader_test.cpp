@@ -248,8 +248,9 @@ TEST(SceneMistakes, ConditioningThatTheInfillCannotTake) {
     return complaint_for("[rig]", "[conditioning]\nmethod = \"compaction\"\n" + keys + "\n[rig]");
   };
   EXPECT_THAT(with("depth = \"0 mm\""), HasSubstr("conditioning.depth: \"0 mm\": must be above 0 m"));
-  EXPECT_THAT(with("depth = \"60 mm\""),
-              HasSubstr("conditioning.depth: \"60 mm\": the infill is only 50 mm deep; make it less than that"));
+  EXPECT_THAT(
+      with("depth = \"60 mm\""),
+      HasSubstr("conditioning.depth: \"60 mm\": the infill is only 50 mm deep; make it less than that"));
   EXPECT_THAT(with("depth = \"20 mm\""), HasSubstr("at most 13.809 mm can be pressed with "
                                                    "conditioning.sphere_diameter = 0.96"));
   // The published volume of 11.87 mm^3 at a pitch of 2 mm.

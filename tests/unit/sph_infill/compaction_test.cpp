@@ -50,7 +50,8 @@ TEST(SpherePlacing, IsDecidedByItsSeed) {
 TEST(SpherePlacing, SpheresTooLargeForTheRoomAreRefused) {
   const Lattice lattice = test::block(4, 4, 4, pitch);
   PlacingRequest request = request_of(lattice, 1.4, {4 * pitch, 4 * pitch});
-  request.wall_radius.assign(lattice.volume.size(), 2 * pitch - 1e-9);  // hardly room for one beside the other
+  request.wall_radius.assign(lattice.volume.size(),
+                             2 * pitch - 1e-9);  // hardly room for one beside the other
   EXPECT_THROW((void)place_spheres(lattice, request), RunError);
 }
 

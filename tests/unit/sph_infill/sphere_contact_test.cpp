@@ -31,7 +31,8 @@ TEST(SphereContact, SlipIsCutAtCoulombsLimitAndReversalStartsFromALoadedSpring) 
   const SphereForce f = sphere_force({bond.stiffness, 0, bond.friction}, sliding, slip);
   EXPECT_NEAR(f.other.x(), -0.5 * 2, 1e-15);
   EXPECT_NEAR(slip.x(), 1 / (tangential_ratio * bond.stiffness), 1e-15);  // mu N / k_t
-  const SphereForce back = sphere_force({bond.stiffness, 0, bond.friction}, {1e-5, along_z, Vec3(-1e-6, 0, 0), 1}, slip);
+  const SphereForce back =
+      sphere_force({bond.stiffness, 0, bond.friction}, {1e-5, along_z, Vec3(-1e-6, 0, 0), 1}, slip);
   EXPECT_NEAR(back.other.x(), -1 + tangential_ratio * bond.stiffness * 1e-6, 1e-12);
 }
 

@@ -14,9 +14,12 @@ namespace {
 
 /// 9 ms of conditioning: down by 3 ms, up by 6 ms, gone; the switch; 2 ms of settling; 1 ms of the drop.
 Overrides conditioned(const Overrides& more = {}) {
-  Overrides overrides{{"conditioning.method", "compaction"},   {"conditioning.press_time", "3 ms"},
-                      {"conditioning.lift_time", "3 ms"},      {"conditioning.settle_time", "3 ms"},
-                      {"numerics.settle_time", "2 ms"},        {"scene.duration", "1 ms"},
+  Overrides overrides{{"conditioning.method", "compaction"},
+                      {"conditioning.press_time", "3 ms"},
+                      {"conditioning.lift_time", "3 ms"},
+                      {"conditioning.settle_time", "3 ms"},
+                      {"numerics.settle_time", "2 ms"},
+                      {"scene.duration", "1 ms"},
                       {"output.frames", "1 ms"}};
   overrides.insert(overrides.end(), more.begin(), more.end());
   return overrides;
@@ -26,7 +29,8 @@ std::filesystem::path folder_of(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
 }
 
-RunSummary run_scene(const std::string& name, const Overrides& overrides, int stop_after = 0, bool resume = false) {
+RunSummary run_scene(const std::string& name, const Overrides& overrides, int stop_after = 0,
+                     bool resume = false) {
   RunRequest request;
   request.scene = coarse_scene(overrides);
   request.folder = resume ? folder_of(name) : fresh_folder(name);
@@ -66,7 +70,8 @@ TEST(Conditioning, PressesTheBedByTheDepthAskedForAndKeepsTheLedgerAcrossTheSwit
 }
 
 TEST(Conditioning, ResumedInEachStageGivesTheSameBitsAsNeverStopped) {
-  // Checkpoints at -8, -5, -3.5 (plate gone), at the switch (-2) and at -0.5 ms fall on multiples of 1.5 ms from -11.
+  // Checkpoints at -8, -5, -3.5 (plate gone), at the switch (-2) and at -0.5 ms fall on multiples of 1.5 ms
+  // from -11.
   const Overrides often = conditioned({{"output.checkpoint_every", "1.5 ms"}});
   run_scene("through", often);
   for (const int checkpoints : {1, 3, 5, 6, 7}) {
@@ -75,7 +80,8 @@ TEST(Conditioning, ResumedInEachStageGivesTheSameBitsAsNeverStopped) {
     const RunSummary resumed = run_scene(name, often, 0, true);
     ASSERT_EQ(resumed.status, "completed");
     for (const char* what : {"error", "stored_infill", "kinetic_infill", "kinetic_carpet", "conditioning"})
-      EXPECT_EQ(column("through", "energy", what), column(name, "energy", what)) << what << ", " << checkpoints;
+      EXPECT_EQ(column("through", "energy", what), column(name, "energy", what))
+          << what << ", " << checkpoints;
     EXPECT_EQ(column("through", "history", "velocity"), column(name, "history", "velocity"));
   }
 }

@@ -61,7 +61,8 @@ TEST(Spheres, FallFreely) {
   // The first kick is half a step long: positions are exact at t, velocities are those of t - dt/2.
   EXPECT_NEAR(p.z[0], -0.5 * 9.81 * t * t, 1e-12);
   EXPECT_NEAR(p.vz[0], -9.81 * (t - 0.5 * dt), 1e-12);
-  // v- . v+ is v^2 less a quarter of the change in a step; at the start there is no step before, and nothing less.
+  // v- . v+ is v^2 less a quarter of the change in a step; at the start there is no step before, and nothing
+  // less.
   const double mass = p.mass[0] + p.mass[1];
   EXPECT_NEAR(total_of(infill.energy()), -mass * std::pow(9.81 * dt, 2) / 8, 1e-18);
 }
@@ -80,7 +81,8 @@ TEST_P(Collision, ReturnsTheSpeedThatASpringAndDashpotThatNeverPullGive) {
   for (; t < 2.5e-3; t += dt) infill.advance(dt, 1, {});
   // Schwager & Poeschel 2007.
   const double s = std::sqrt(1 - zeta * zeta);
-  const double restitution = std::exp(-zeta / s * (std::numbers::pi - std::atan2(2 * zeta * s, 1 - 2 * zeta * zeta)));
+  const double restitution =
+      std::exp(-zeta / s * (std::numbers::pi - std::atan2(2 * zeta * s, 1 - 2 * zeta * zeta)));
   const ParticleView p = infill.particles();
   EXPECT_NEAR(p.vx[1], 0.1 * restitution, 0.1 * 0.005);
   EXPECT_EQ(p.vx[0], -p.vx[1]);
@@ -105,10 +107,12 @@ TEST(Spheres, GlancingCollisionKeepsMomentumAndItsMomentAndTurnsTheSpheres) {
   for (int k = 0; k < 4000; ++k) infill.advance(dt, 1, {});
   EXPECT_NE(infill.particles().spin(1).z(), 0);
   EXPECT_LT((momentum_of(infill.particles()) - linear).norm(), 1e-14 * linear.norm());
-  // Torques are about the surfaces of the spheres, forces between centres that overlap: a share of the overlap.
+  // Torques are about the surfaces of the spheres, forces between centres that overlap: a share of the
+  // overlap.
   EXPECT_LT((moment() - angular).norm(), 0.01 * scale);
   const InfillEnergy e = infill.energy();
-  const double put_in = 0.5 * infill.particles().mass[0] * (0.04 + 0.0225) + 0.5 * inertia_of(infill.particles(), 0) * 1600;
+  const double put_in =
+      0.5 * infill.particles().mass[0] * (0.04 + 0.0225) + 0.5 * inertia_of(infill.particles(), 0) * 1600;
   EXPECT_NEAR(total_of(e), put_in, 2e-3 * put_in);
   EXPECT_GT(e.dissipated, 0);
 }
@@ -127,7 +131,8 @@ struct FallingBed {
         tray(width * pitch, width * pitch, 8e7 * pitch, 0) {}
   static Vec3Array positions(const Lattice& lattice, int width) {
     const std::array<double, 2> size{width * pitch, width * pitch};
-    return place_spheres(lattice, {sphere_radii(lattice, 0.9), sphere_radii(lattice, 1), {size, 0}, 1}).position;
+    return place_spheres(lattice, {sphere_radii(lattice, 0.9), sphere_radii(lattice, 1), {size, 0}, 1})
+        .position;
   }
   void run(int windows, double step_share = 0.5) {
     ContactImpulses contact;
@@ -143,7 +148,8 @@ struct FallingBed {
 double imbalance_of_fall(double step_share) {
   FallingBed bed(6);
   const ParticleView p = bed.infill.particles();
-  for (std::size_t i = 0; i < p.size(); ++i) bed.infill.set_velocity(i, {0.05 * std::sin(double(i)), 0, -0.3});
+  for (std::size_t i = 0; i < p.size(); ++i)
+    bed.infill.set_velocity(i, {0.05 * std::sin(double(i)), 0, -0.3});
   bed.run(1, step_share);
   const InfillEnergy first = bed.infill.energy();
   double worst = 0;

@@ -105,8 +105,8 @@ TEST(TakeOver, ABedAtRestStaysExactlyAtRestForItIsFreeOfStress) {
   for (const ConditionedState state : {ConditionedState::initial, ConditionedState::compacted}) {
     SphereInfill spheres = spheres_at(block.lattice, block.pressed);
     CompactedBed bed = spheres.hand_over();
-    SphInfill taken(block.lattice, test::single_material(test::mixture_with_effects()), continuum(test::all_soil_effects),
-                    bed, state);
+    SphInfill taken(block.lattice, test::single_material(test::mixture_with_effects()),
+                    continuum(test::all_soil_effects), bed, state);
     for (int k = 0; k < 50; ++k) taken.advance(0.8 * taken.stable_step(), 1, {});
     const ParticleView q = taken.particles();
     double fastest = 0;
@@ -120,19 +120,21 @@ TEST(TakeOver, DensityIsMassOverTheVolumeOfThePressedBed) {
   for (const ConditionedState state : {ConditionedState::initial, ConditionedState::compacted}) {
     SphereInfill spheres = spheres_at(block.lattice, block.pressed);
     const CompactedBed bed = spheres.hand_over();
-    SphInfill taken(block.lattice, test::single_material(test::mixture_with_effects()), continuum(test::all_soil_effects),
-                    bed, state);
+    SphInfill taken(block.lattice, test::single_material(test::mixture_with_effects()),
+                    continuum(test::all_soil_effects), bed, state);
     EXPECT_NEAR(field_mean(taken, "density"), 977 / 0.9, 0.02 * 977);  // outermost rows: compaction.h
   }
 }
 
 TEST(TakeOver, StateIsTheMaterialsOwnOrThatOfAPressedAndReleasedPointAsAsked) {
   const PressedBlock block;
-  const auto plastic = [&](const SoilFoamMaterial& material, const SoilEffects& effects, ConditionedState state) {
+  const auto plastic = [&](const SoilFoamMaterial& material, const SoilEffects& effects,
+                           ConditionedState state) {
     SphereInfill spheres = spheres_at(block.lattice, block.pressed);
     const CompactedBed bed = spheres.hand_over();
-    return field_mean(SphInfill(block.lattice, test::single_material(material), continuum(effects), bed, state),
-                      "plastic_compression");
+    return field_mean(
+        SphInfill(block.lattice, test::single_material(material), continuum(effects), bed, state),
+        "plastic_compression");
   };
   SoilEffects hardening;
   hardening.density_hardening = true;
@@ -165,7 +167,8 @@ TEST(TakeOver, ALawThatCompactionCannotLeaveSoDenseIsRefusedWithAWayOut) {
               ConditionedState::compacted);
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("conditioning.state = \"initial\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("conditioning.state = \"initial\""), std::string::npos)
+        << error.what();
   }
 }
 
