@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "coupler/contact_law.h"
 #include "coupler/fastest.h"
+#include "sph_infill/soil_law.h"
 #include "sph_infill/sphere_placing.h"
 
 namespace tuft::coupler {
@@ -14,6 +16,25 @@ constexpr double most_overlap = 0.01;  // of the diameter, at numerics.contact_p
 
 sph::LatticeBox lattice_box(const Scene& scene) {
   return {scene.turf.size, scene.turf.carpet.backing_thickness};
+}
+
+/// A law that cannot be left as dense as the bed will be is better known before the bed is pressed. Local
+/// compression has been seen up to twice the mean one.
+void check_state(const Scene& scene, const sph::SphSettings& settings) {
+  if (scene.conditioning.state == ConditionedState::initial) return;
+  const double depth = scene.infill_depth(), mean = std::log(depth / (depth - scene.conditioning.depth));
+  for (const Layer& layer : scene.turf.layers) {
+    const Material& material = scene.materials.at(static_cast<std::size_t>(layer.material));
+    const sph::SoilLaw law =
+        sph::make_soil_law(*material.continuum, settings.tension_cutoff, settings.soil_effects);
+    if (!sph::is_left_compacted(law, scene.conditioning.state)) continue;
+    try {
+      (void)sph::compacted_state(law, 2 * mean);
+    } catch (const InputError& error) {
+      throw_input_error("{}: conditioning.state: {} cannot be left so dense: {}; or set it to \"initial\"",
+                        scene.file, material.name, error.what());
+    }
+  }
 }
 
 /// Mean and standard deviation by layer.
@@ -74,6 +95,7 @@ std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
                                                  const sph::Lattice& lattice) {
   sph::SphereSettings settings;
   const sph::SphSettings continuum = sph_settings(scene, effects);
+  check_state(scene, continuum);
   settings.options = continuum.options;
   settings.gravity = continuum.gravity;
   settings.diameter_ratio = scene.conditioning.sphere_diameter;

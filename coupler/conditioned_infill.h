@@ -25,7 +25,8 @@ inline constexpr const char* plate_name = "plate";
 [[nodiscard]] double pressed_height(const Scene& scene);
 
 /// Rigid spheres near the lattice, without overlap. They are as stiff as it takes for
-/// numerics.contact_pressure to overlap them by a hundredth of their diameter.
+/// numerics.contact_pressure to overlap them by a hundredth of their diameter. Throws InputError for a
+/// material that conditioning.state does not suit.
 [[nodiscard]] std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
                                                                const std::vector<EffectDecision>& effects,
                                                                const sph::Lattice& lattice);

@@ -53,8 +53,8 @@ class Simulation {
   /// Takes a body out. Springs of contact with it are let go: what they hold is booked as lost.
   void remove_body(std::size_t body);
   /// Another infill goes on with the same particles (conditioning): as many, where they are, with the same
-  /// contact radii and the sums of energy so far. Contact goes on unchanged. Throws RunError when their
-  /// number differs.
+  /// contact radii and the sums of energy so far. Contact goes on, with bodies through other springs. Throws
+  /// RunError when their number differs.
   void replace_infill(std::unique_ptr<Infill> infill, std::vector<NormalSpring> body_springs);
 
   /// Moves a driven body at this velocity (m/s) from the next window on.

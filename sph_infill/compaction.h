@@ -8,9 +8,10 @@ namespace tuft::sph {
 
 /// How much closer particles lie than where they were placed. The kernel's sum s_i = sum_j V_j W(|x_i -
 /// x_j|), i itself included and V_j the volumes as placed, is measured by the same sum on the lattice, where
-/// every particle has the room of its volume: at a wall or a free surface both sums lack the same, so the
-/// ratio is right there too, to first order in the change. Volumes and not masses, or a heavier layer that
-/// comes nearer would seem to compact its neighbours.
+/// every particle has the room of its volume: at a wall or a free surface both sums lack much the same.
+/// Measured: a lattice pressed evenly to 0.9 of its height has 1/0.9 within 1 % inside, 4 % less in the
+/// outermost rows, whose own row, unchanged, is more of their sum. Volumes and not masses, or a heavier layer
+/// that comes nearer would seem to compact its neighbours.
 class CompactionMeasure {
  public:
   CompactionMeasure(const Lattice& lattice, const SphOptions& options);

@@ -302,6 +302,11 @@ SoilState compacted_state(const SoilLaw& law, double residual) {
   return state;
 }
 
+bool is_left_compacted(const SoilLaw& law, ConditionedState state) {
+  const bool hardens = law.modulus_exponent > 0 || law.cohesion_exponent > 0 || law.friction_exponent > 0;
+  return state == ConditionedState::compacted || (state == ConditionedState::automatic && hardens);
+}
+
 double yield_limit(const SoilLaw& law, const SoilState& state, double pressure, double shear_rate) {
   // Those that are off have neutral parameters.
   constexpr SoilEffects all{true, true, true, true, true, true};

@@ -108,6 +108,9 @@ using SoilWork = SoilWorkOf<double>;
 /// as it loads leaves none).
 [[nodiscard]] SoilState compacted_state(const SoilLaw& law, double residual);
 
+/// Whether a conditioned bed of this law goes on in that state, rather than in its initial one.
+[[nodiscard]] bool is_left_compacted(const SoilLaw& law, ConditionedState state);
+
 /// Largest J2 that a state would bear at a pressure, Pa^2, under a shear strain rate sqrt(2 dev D : dev D),
 /// 1/s.
 [[nodiscard]] double yield_limit(const SoilLaw& law, const SoilState& state, double pressure,

@@ -125,8 +125,7 @@ void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start)
     const SoilLaw& law = settings.laws[static_cast<std::size_t>(p.material[i])];
     if (ratio < 1) ++loosest_started;
     const double reached = std::max(1.0, ratio);
-    const bool hardens = law.modulus_exponent > 0 || law.cohesion_exponent > 0 || law.friction_exponent > 0;
-    if (start == ConditionedState::initial || (start == ConditionedState::automatic && !hardens)) {
+    if (!is_left_compacted(law, start)) {
       p.volume[i] = p.reference_volume[i] = p.mass[i] / (law.density * reached);
       continue;
     }

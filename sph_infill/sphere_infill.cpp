@@ -129,8 +129,7 @@ SphereInfill::~SphereInfill() = default;
 ParticleView SphereInfill::particles() const {
   const Impl& m = *impl_;
   return {m.position.x, m.position.y, m.position.z,     m.velocity.x, m.velocity.y, m.velocity.z, m.spin.x,
-          m.spin.y,     m.spin.z,     m.contact_radius, m.mass,       m.layer,      m.material,
-          {}};
+          m.spin.y,     m.spin.z,     m.contact_radius, m.mass,       m.layer,      m.material,   {}};
 }
 
 double SphereInfill::stable_step() const {

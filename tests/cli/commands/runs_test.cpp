@@ -53,6 +53,44 @@ TEST(Run, ThatIsStoppedCanBeResumedToTheEnd) {
   EXPECT_NE(again.out.find("completed already"), std::string::npos);
 }
 
+std::vector<std::string> conditioned_run(const std::string& folder,
+                                         const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{
+      "--set", "conditioning.method=compaction", "--set", "conditioning.press_time=2 ms",
+      "--set", "conditioning.lift_time=1 ms",    "--set", "conditioning.settle_time=1 ms"};
+  words.insert(words.end(), more.begin(), more.end());
+  return tiny_run(folder, words);
+}
+
+TEST(Run, OfConditionedTurfNamesItsStagesAndItsCost) {
+  const Workplace place;
+  const Outcome outcome = run_tuft(conditioned_run(place.path("run")));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const char* stage : {"pressing ", "lifting ", "settling ", "drop "})
+    EXPECT_NE(outcome.out.find(stage), std::string::npos) << stage << outcome.out;
+  const auto summary = summary_in(place.path("run"));
+  EXPECT_GT(summary["cost"]["conditioning"], 0);
+  EXPECT_TRUE(summary["notes"].contains("conditioning_energy_let_go"));
+}
+
+TEST(Run, OfConditionedTurfThatIsStoppedUnderThePlateCanBeResumedToTheEnd) {
+  const Workplace place;
+  const Outcome stopped = run_tuft(conditioned_run(place.path("run"), {"--stop-after-checkpoints", "1"}));
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.error;
+  EXPECT_LT(summary_in(place.path("run"))["simulated_time"], -0.003);
+  const Outcome resumed = run_tuft({"resume", place.path("run")});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.error;
+  EXPECT_EQ(summary_in(place.path("run"))["status"], "completed");
+}
+
+TEST(Run, OfALawThatCompactionCannotLeaveSoDenseIsRefusedBeforeTheBedIsPressed) {
+  const Workplace place;
+  const Outcome outcome = run_tuft(conditioned_run(
+      place.path("run"), {"--set", "conditioning.depth=13 mm", "--set", "conditioning.state=compacted"}));
+  expect_bad_input(outcome,
+                   {"conditioning.state: ", " cannot be left so dense: ", "or set it to \"initial\""});
+}
+
 TEST(Run, IsResumedFromItsResolvedSceneAloneWithoutTheOriginal) {
   const Workplace place;
   ASSERT_EQ(run_tuft(tiny_run(place.path("run"), {"--stop-after-checkpoints", "1"})).exit_code, 0);

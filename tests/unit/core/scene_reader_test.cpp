@@ -251,7 +251,7 @@ TEST(SceneMistakes, ConditioningThatTheInfillCannotTake) {
   EXPECT_THAT(
       with("depth = \"60 mm\""),
       HasSubstr("conditioning.depth: \"60 mm\": the infill is only 50 mm deep; make it less than that"));
-  EXPECT_THAT(with("depth = \"20 mm\""), HasSubstr("at most 13.81 mm can be pressed with "
+  EXPECT_THAT(with("depth = \"20 mm\""), HasSubstr("at most 13.809 mm can be pressed with "
                                                    "conditioning.sphere_diameter = 0.96"));
   // The published volume of 11.87 mm^3 at a pitch of 2 mm.
   EXPECT_THAT(with("sphere_diameter = 1.415"), HasSubstr("spheres fill 1.5 of the room as placed"));

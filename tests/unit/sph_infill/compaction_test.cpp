@@ -55,7 +55,7 @@ TEST(SpherePlacing, SpheresTooLargeForTheRoomAreRefused) {
   EXPECT_THROW((void)place_spheres(lattice, request), RunError);
 }
 
-TEST(Compaction, IsOneOnTheLatticeAndFollowsAnEvenCompressionAlsoAtSurfacesAndBetweenLayers) {
+TEST(Compaction, IsOneOnTheLatticeAndFollowsAnEvenCompressionInsideToOnePercentAndAtSurfacesToFour) {
   Turf turf;
   turf.layers = {{0, 0.006}, {0, 0.014}};
   const Lattice lattice = make_lattice(turf, {{0.02, 0.02}, 0}, pitch);
@@ -65,8 +65,10 @@ TEST(Compaction, IsOneOnTheLatticeAndFollowsAnEvenCompressionAlsoAtSurfacesAndBe
   for (double& z : pressed.z) z *= 0.9;
   const std::vector<double> ratio = measure.ratio(pressed), smooth = measure.smoothed(pressed, ratio);
   for (std::size_t i = 0; i < ratio.size(); ++i) {
-    EXPECT_NEAR(ratio[i], 1 / 0.9, 0.03) << lattice.position.z[i];
-    EXPECT_NEAR(smooth[i], 1 / 0.9, 0.03) << lattice.position.z[i];
+    const double z = lattice.position.z[i];
+    const bool inside = z > 0.005 && z < 0.015;
+    EXPECT_NEAR(ratio[i], 1 / 0.9, inside ? 0.01 : 0.045) << z;
+    EXPECT_NEAR(smooth[i], 1 / 0.9, inside ? 0.015 : 0.045) << z;
   }
 }
 

