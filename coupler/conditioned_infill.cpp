@@ -74,7 +74,8 @@ sph::SphSettings sph_settings(const Scene& scene, const std::vector<EffectDecisi
           effect_on(effects, "zero_energy_control"),
           scene.numerics.sleep_tolerance,
           sph::soil_effects_of(effects),
-          turf_box(scene)};
+          turf_box(scene),
+          sph::KickLength::step_begun};
 }
 
 RigidBody conditioning_plate(double height) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -217,7 +218,8 @@ class Runner {
   void report_progress(const std::string& stage, double time, double packing_done) {
     if (!request_.on_progress) return;
     const bool finished = built_ && state_.index == state_.schedule.end;
-    if (!finished && last_report_ && seconds_since(*last_report_) < 0.1) return;
+    const bool next_stage = stage != std::exchange(last_stage_, stage);
+    if (!finished && !next_stage && last_report_ && seconds_since(*last_report_) < 0.1) return;
     last_report_ = Clock::now();
     Progress progress;
     progress.stage = stage;
@@ -271,6 +273,7 @@ class Runner {
   std::uint64_t first_index_ = 0;
   Clock::time_point start_ = Clock::now(), loop_start_ = start_;
   std::optional<Clock::time_point> last_report_;
+  std::string last_stage_;
 };
 
 void Runner::measure() {

@@ -145,7 +145,7 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   const Pack viscous_force = forces.viscous[axis];
   const Pack force = Chosen::dissipative ? forces.stress[axis] + viscous_force : forces.stress[axis];
 
-  const double t = kick.duration(), gravity = kick.gravity[static_cast<Eigen::Index>(axis)];
+  const double t = kick.duration, gravity = kick.gravity[static_cast<Eigen::Index>(axis)];
   const Pack impulse = kick.impulse ? kick.impulse_share * of(axis_of(*kick.impulse, axis)) : Pack(0.0);
   const Pack contact_change = impulse / mass;
   // Damping by the mean of the velocities before and after: unconditionally stable, and its work is exact.
@@ -159,7 +159,7 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
 
   const Pack mean = 0.5 * (before + after);
   // Of the change of velocity, for a step dt_before as long.
-  const double share_before = kick.step_before / t;
+  const double share_before = std::min(2.0, kick.step_before / t);
   const auto add_work = [&](PackSums::Work& work, const Pack& given) {
     work.until_now += only(0.5 * share_before * given * before, count);
     work.whole += only(given * mean, count);

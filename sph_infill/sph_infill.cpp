@@ -76,6 +76,7 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   settings.step_limit = make_step_limit(given.options, given.artificial_viscosity, given.zero_energy_control);
   gravity = given.gravity;
   box = given.box;
+  kick_length = given.kick_length;
 
   Particles& p = particles;
   const std::size_t n = lattice.position.size();
@@ -226,7 +227,9 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   if (!stress.valid) report_invalid_stress();
   stable_step = stress.stable_step;
 
-  const Kick now{step_before, dt, gravity, damping, impulse, impulse_share};
+  const bool as_begun = kick_length == KickLength::step_begun && step_before > 0;
+  const Kick now{step_before,  as_begun ? dt : 0.5 * (step_before + dt), gravity, damping, impulse,
+                 impulse_share};
   const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping);
   record_energy(stress, kicked);
 

@@ -36,6 +36,15 @@ struct TurfBox {
   Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());  ///< m
 };
 
+/// How long a kick lasts where steps change (all the same where they do not; the first of a run takes half
+/// its step).
+enum class KickLength {
+  mean_of_steps,  ///< of the step before and the step after: of second order
+  /// Of the step that it begins, as the impulses of contact and the kicks of carpet and bodies in a coupled
+  /// run: what is in balance stays so, what moves is off to first order, once a change.
+  step_begun
+};
+
 struct SphSettings {
   SphOptions options;         ///< smoothing_length resolved (> 0)
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
@@ -45,6 +54,7 @@ struct SphSettings {
   double sleep_tolerance = 0;  ///< strain, see sleep.h; 0: nothing sleeps
   SoilEffects soil_effects;
   TurfBox box;
+  KickLength kick_length = KickLength::mean_of_steps;
 };
 
 /// Those of the soil law among the effects of a run.

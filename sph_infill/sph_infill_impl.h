@@ -13,6 +13,7 @@ struct SphInfill::Impl {
   NeighbourList list;
   Sleep sleep;
   TurfBox box;
+  KickLength kick_length = KickLength::mean_of_steps;
 
   double time = 0;         ///< s, t_k of the positions
   double step_before = 0;  ///< s, drift that led to t_k; 0 at the start of a run

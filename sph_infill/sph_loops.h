@@ -74,16 +74,15 @@ struct StressSums {
 StressSums update_stress(const LoopSettings& settings, const NeighbourList& list, double dt,
                          Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep = nullptr);
 
-/// One kick, from half a step before t_k to half a step after. Where steps change it lasts as long as the step
-/// that it begins, as contact's impulses and the kicks of carpet and bodies do: what is in balance stays so.
-/// The first kick of a run starts from rest at t_k.
+/// One kick about t_k: from half a step before to half a step after, or as long as SphSettings::kick_length
+/// wants it where steps change.
 struct Kick {
-  double step_before = 0, step = 0;    ///< s, dt_before and dt
+  double step_before = 0;              ///< s, the drift that led to t_k
+  double duration = 0;                 ///< s
   Vec3 gravity{0, 0, 0};               ///< m/s^2
   double damping = 0;                  ///< 1/s
   const Vec3Array* impulse = nullptr;  ///< N s for the whole window, or none
   double impulse_share = 0;            ///< of it that this substep gives
-  [[nodiscard]] double duration() const { return step_before > 0 ? step : 0.5 * step; }
 };
 
 /// Work of one kind of force over a kick, J: its impulse times the mean of the velocities before and after.

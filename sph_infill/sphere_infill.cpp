@@ -175,7 +175,7 @@ BlockSums SphereInfill::Impl::step(double dt, const ContactImpulses& impulses, d
   return sums;
 }
 
-/// From t_k - step_before/2 to t_k + dt/2, then drifts by dt.
+/// The kick about t_k, then drifts by dt.
 BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, double share) {
   const auto impulse_of = [&](const Vec3Array& values, std::size_t i) {
     return values.size() == 0 ? Vec3(0, 0, 0) : Vec3(share * values[i]);
@@ -207,9 +207,10 @@ BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, d
 /// values before and after.
 void SphereInfill::Impl::kick_sphere(std::size_t i, double dt, const Vec3& impulse, const Vec3& angular,
                                      BlockSums& sums) {
-  const double t = 0.5 * (step_before + dt), half_damping = 0.5 * damping * t;
+  // KickLength::step_begun: spheres live in coupled runs alone.
+  const double t = step_before > 0 ? dt : 0.5 * dt, half_damping = 0.5 * damping * t;
   // The kick's impulses were given evenly over it: this share of each belongs before t_k.
-  const double share = t > 0 ? 0.5 * step_before / t : 0;
+  const double share = t > 0 ? std::min(1.0, 0.5 * step_before / t) : 0;
   const SphereLoad load = pairs.load_on(i, radius[i]);
   const double inertia = inertia_ratio * mass[i] * radius[i] * radius[i];
   const auto add = [share](KickWork& work, const Vec3& given, const Vec3& before, const Vec3& after) {

@@ -116,7 +116,9 @@ double kinetic_energy_under_changing_steps(const Numerics& numerics) {
   constexpr double pitch = 0.002;
   constexpr int side = 6;
   const auto materials = single_material(mixture_material());
-  SphInfill infill(block(side, side, side, pitch), materials, settings_of(numerics, pitch, {0, 0, -g}));
+  SphSettings settings = settings_of(numerics, pitch, {0, 0, -g});
+  settings.kick_length = KickLength::step_begun;
+  SphInfill infill(block(side, side, side, pitch), materials, settings);
   const double height = side * pitch, weight = materials[0].continuum->density * height * height * height * g;
   const double stiffness = 10 * constrained_modulus(*materials[0].continuum, 1e4) * pitch;
   const Tray tray(height, height, stiffness, 0.1);
