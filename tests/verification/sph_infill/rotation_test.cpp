@@ -46,7 +46,7 @@ TEST_P(SpunBlob, EveryParticleKeepsItsStressInItsOwnFrame) {
   Particles p;
   p.assign(n);
   p.position = lattice.position;
-  p.volume = lattice.volume;
+  p.volume = p.reference_volume = lattice.volume;
   for (std::size_t i = 0; i < n; ++i) {
     p.mass[i] = 1000 * lattice.volume[i];
     SoilState state = reference_state(settings.laws[0]);

@@ -33,7 +33,7 @@ ShearError shear(test::Preset preset, double gamma, int steps) {
   Particles p;
   p.assign(n);
   p.position = lattice.position;
-  p.volume = lattice.volume;
+  p.volume = p.reference_volume = lattice.volume;
   for (std::size_t i = 0; i < n; ++i) {
     p.mass[i] = 1000 * lattice.volume[i];
     p.set_soil_state(i, reference_state(settings.laws[0]));

@@ -82,7 +82,7 @@ TEST_P(VelocityGradient, IsThePartnerOfTheForceSoThatPowersAgreeForAnyVelocity) 
   Particles p;
   p.assign(n);
   p.position = lattice.position;
-  p.volume = lattice.volume;
+  p.volume = p.reference_volume = lattice.volume;
   for (std::size_t i = 0; i < n; ++i) p.mass[i] = 1000 * lattice.volume[i];
   std::mt19937_64 random(3);
   std::normal_distribution<double> any;

@@ -37,6 +37,7 @@ struct StressFreeBlock {
     for (std::size_t i = 0; i < n; ++i) {
       p.mass[i] =
           density * (i % 3 == 0 ? 2 : 1) * lattice.volume[i];  // unequal masses: pairs must not assume
+      p.reference_volume[i] = p.mass[i] / density;
       p.set_soil_state(i, reference_state(settings.laws[0]));
     }
     list = NeighbourList(p.position, 2 * settings.options.smoothing_length, 0);
