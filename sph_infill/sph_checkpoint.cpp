@@ -47,6 +47,7 @@ void visit_numbers(ImplType& m, Visit&& visit) {
   visit("pending_damping", m.pending.damping);
   visit("pending_contact", m.pending.contact);
   visit("pending_holding", m.pending.holding);
+  visit("pending_expelled", m.pending.expelled);
 }
 
 std::vector<double> read_array(const h5::Group& group, const std::string& name, std::size_t count) {

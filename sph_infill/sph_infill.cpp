@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "sph_infill/sph_infill_impl.h"
@@ -251,6 +252,7 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
 void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& kicked) {
   energy.kinetic = kicked.kinetic;
   energy.gravity_potential = kicked.gravity_potential;
+  energy.expelled += std::exchange(pending.expelled, 0);
   energy.stored += stress.work - stress.plastic;
   const auto account = [](double& sum, double& pending_work, const KickWork& work) {
     sum += pending_work + work.until_now;
@@ -277,7 +279,7 @@ void SphInfill::Impl::expel(double dt) {
       expelled.mass += p.mass[i];
       expelled.momentum += p.mass[i] * v;
       expelled.kinetic_energy += kinetic;
-      energy.expelled += kinetic;
+      pending.expelled += kinetic;
       take_out(static_cast<Index>(i));
     }
   }

@@ -29,6 +29,7 @@ struct SphInfill::Impl {
   /// Works of the part of the last kick that lies after that moment.
   struct {
     double viscous = 0, damping = 0, contact = 0, holding = 0;
+    double expelled = 0;  ///< by the drift that followed
   } pending;
   Expelled expelled;
   std::vector<Index> expelled_index;        ///< in the order in which they left

@@ -207,8 +207,9 @@ BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, d
 /// values before and after.
 void SphereInfill::Impl::kick_sphere(std::size_t i, double dt, const Vec3& impulse, const Vec3& angular,
                                      BlockSums& sums) {
-  // KickLength::step_begun: spheres live in coupled runs alone.
-  const double t = step_before > 0 ? dt : 0.5 * dt, half_damping = 0.5 * damping * t;
+  // KickLength::step_begun: spheres live in coupled runs alone. The first kick starts from rest, the last ends
+  // at t_k.
+  const double t = step_before > 0 && dt > 0 ? dt : 0.5 * (step_before + dt), half_damping = 0.5 * damping * t;
   // The kick's impulses were given evenly over it: this share of each belongs before t_k.
   const double share = t > 0 ? std::min(1.0, 0.5 * step_before / t) : 0;
   const SphereLoad load = pairs.load_on(i, radius[i]);

@@ -108,7 +108,7 @@ TEST(Expulsion, OfWhatFliesAloneKeepsTheEnergyToRounding) {
     const InfillEnergy e = infill.energy();
     return e.kinetic + e.gravity_potential + e.expelled;
   };
-  infill.advance(1e-5, 1, {});
+  for (int k = 0; k < 2; ++k) infill.advance(1e-5, 1, {});  // the first kick is half a step
   const double start = balance();
   for (int k = 0; k < 1000; ++k) {
     infill.advance(1e-5, 1, {});
@@ -116,11 +116,11 @@ TEST(Expulsion, OfWhatFliesAloneKeepsTheEnergyToRounding) {
   }
   EXPECT_GT(infill.expelled().particles, 5);
   EXPECT_LT(infill.expelled().particles, lattice.position.size());
-  EXPECT_EQ(infill.energy().expelled, infill.expelled().kinetic_energy);
+  EXPECT_NEAR(infill.energy().expelled / infill.expelled().kinetic_energy, 1, 1e-12);
 }
 
-/// Torn off and let go while they still pull: what their neighbours lose with them is not in the books.
-TEST(Expulsion, OfWhatStillPullsCostsASmallPartOfWhatLeft) {
+/// Torn off and let go by layers: what their neighbours lose with them is not in the books.
+TEST(Expulsion, OfATornBlockKeepsTheEnergyAsWellAsIfNoneLeft) {
   ThrownBlock thrown(9.81, ceiling), kept(9.81, 1e9);
   thrown.run(windows);
   kept.run(windows);
@@ -129,7 +129,7 @@ TEST(Expulsion, OfWhatStillPullsCostsASmallPartOfWhatLeft) {
   ASSERT_GT(left, 1e-3);
   RecordProperty("thrown", testing::PrintToString(thrown.largest_imbalance / left));
   RecordProperty("kept", testing::PrintToString(kept.largest_imbalance / left));
-  EXPECT_LT(thrown.largest_imbalance, 0.1 * left);
+  EXPECT_LT(thrown.largest_imbalance, kept.largest_imbalance + 1e-3 * left);
 }
 
 TEST(Expulsion, OfWhatIsFarAwayChangesNoBitOfWhatStays) {
