@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "coupler/carpet_terms.h"
 #include "coupler/fastest.h"
 
 namespace tuft::coupler {
@@ -121,7 +120,7 @@ StableSteps Simulation::stable_steps(double interval) const {
 }
 
 void Simulation::advance_interval(double interval) {
-  if (windows_ == 0) check_candidates();  // which contacts may bound the step
+  if (!reference_.valid) check_candidates();  // which contacts may bound the step
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
@@ -389,47 +388,6 @@ ParticleView Simulation::node_points(const fe::NodeView& nodes) const {
   view.radius = parts_.node_radius;
   view.mass = nodes.mass;
   return view;
-}
-
-double Simulation::carpet_balance() const {
-  return parts_.carpet->energy().balance();
-}
-
-double Simulation::infill_balance() const {
-  const InfillEnergy e = parts_.infill->energy();
-  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled + e.let_go -
-         e.contact_work;
-}
-
-Simulation::Residuals Simulation::residuals() const {
-  Residuals r;
-  r.carpet = carpet_balance() - carpet_reference_;
-  r.infill = infill_balance() - infill_reference_;
-  r.contact_and_bodies = ledger_.imbalance() - r.carpet - r.infill;
-  return r;
-}
-
-EnergyTerms Simulation::energy_terms() const {
-  const fe::CarpetEnergy carpet = parts_.carpet->energy();
-  const InfillEnergy infill = parts_.infill->energy();
-  ContactEnergy contact = particle_shell_.energy();
-  contact += particle_body_.energy();
-  contact += node_body_.energy();
-  EnergyTerms terms = terms_of(carpet);
-  terms.kinetic_infill = infill.kinetic;
-  terms.kinetic_bodies = body_kinetic_;
-  terms.stored_infill = infill.stored;
-  terms.dissipated_infill = infill.dissipated;
-  terms.contact_elastic = contact.elastic;
-  terms.contact_damping = contact.damped;
-  terms.contact_friction = contact.friction;
-  terms.gravity_potential += infill.gravity_potential + body_potential_;
-  terms.damping += infill.damping + body_damping_;
-  terms.expelled = infill.expelled;
-  terms.conditioning = infill.let_go;
-  // Between the parts contact is no work from outside; what it has released is.
-  terms.external_work = external_work_ + contact.released;
-  return terms;
 }
 
 }  // namespace tuft::coupler

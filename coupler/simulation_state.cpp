@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "coupler/carpet_terms.h"
 #include "coupler/simulation.h"
 
 namespace tuft::coupler {
@@ -60,6 +61,47 @@ double Simulation::highest_infill(double x, double y, double radius) const {
 
 double Simulation::highest_carpet(double x, double y, double radius) const {
   return highest(node_points(parts_.carpet->nodes()), x, y, radius, false);
+}
+
+double Simulation::carpet_balance() const {
+  return parts_.carpet->energy().balance();
+}
+
+double Simulation::infill_balance() const {
+  const InfillEnergy e = parts_.infill->energy();
+  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled + e.let_go -
+         e.contact_work;
+}
+
+Simulation::Residuals Simulation::residuals() const {
+  Residuals r;
+  r.carpet = carpet_balance() - carpet_reference_;
+  r.infill = infill_balance() - infill_reference_;
+  r.contact_and_bodies = ledger_.imbalance() - r.carpet - r.infill;
+  return r;
+}
+
+EnergyTerms Simulation::energy_terms() const {
+  const fe::CarpetEnergy carpet = parts_.carpet->energy();
+  const InfillEnergy infill = parts_.infill->energy();
+  ContactEnergy contact = particle_shell_.energy();
+  contact += particle_body_.energy();
+  contact += node_body_.energy();
+  EnergyTerms terms = terms_of(carpet);
+  terms.kinetic_infill = infill.kinetic;
+  terms.kinetic_bodies = body_kinetic_;
+  terms.stored_infill = infill.stored;
+  terms.dissipated_infill = infill.dissipated;
+  terms.contact_elastic = contact.elastic;
+  terms.contact_damping = contact.damped;
+  terms.contact_friction = contact.friction;
+  terms.gravity_potential += infill.gravity_potential + body_potential_;
+  terms.damping += infill.damping + body_damping_;
+  terms.expelled = infill.expelled;
+  terms.conditioning = infill.let_go;
+  // Between the parts contact is no work from outside; what it has released is.
+  terms.external_work = external_work_ + contact.released;
+  return terms;
 }
 
 void Simulation::save(h5::Group& group) {
