@@ -38,6 +38,13 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
   return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
 }
 
+double penalty_of(const Scene& scene, const std::vector<EffectDecision>& effects, const Material& material,
+                  double radius) {
+  return scene.infill.approach == Approach::sph
+             ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
+             : dem_contact_stiffness(material, radius);
+}
+
 struct PointContact {
   std::vector<double> stiffness, damping_ratio;
   std::vector<FrictionLaw> fibre_friction, body_friction;
@@ -50,10 +57,7 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[particles.material[i]];
     const double radius = particles.radius[i];
-    result.stiffness.push_back(
-        scene.infill.approach == Approach::sph
-            ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
-            : dem_contact_stiffness(material, radius));
+    result.stiffness.push_back(penalty_of(scene, effects, material, radius));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -94,12 +98,8 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
     const double radius = particles.radius[i];
-    if (half_rows)
-      springs.push_back(half_row_spring(material, scene.numerics, radius, soil_effects));
-    else if (scene.infill.approach == Approach::sph)
-      springs.push_back({sph_contact_stiffness(material, scene.numerics, radius, soil_effects)});
-    else
-      springs.push_back({dem_contact_stiffness(material, radius)});
+    springs.push_back(half_rows ? half_row_spring(material, scene.numerics, radius, soil_effects)
+                                : NormalSpring{penalty_of(scene, effects, material, radius)});
   }
   return springs;
 }

@@ -48,6 +48,14 @@ class PointAboveFloor : public testing::Test {
   [[nodiscard]] double stable_step(double horizon) const {
     return contact_.stable_step(view(), bodies_, horizon, false);
   }
+  void evaluate() {
+    Vec3Array linear;
+    linear.assign(1, 0);
+    BodyImpulses on_bodies{{Vec3(0, 0, 0)}};
+    contact_.evaluate(view(), bodies_, 0, 1e-6, 0, 0, 1e-6, linear, nullptr, on_bodies);
+  }
+  void replace(const NormalSpring& spring) { contact_.replace_springs({spring}, view(), bodies_, 0); }
+  [[nodiscard]] const ContactEnergy& energy() const { return contact_.energy(); }
   [[nodiscard]] static double step_of(double stiffness) { return 2 * std::sqrt(mass / stiffness); }
 
   const NormalSpring spring_{1e5, 4e3, 5e-4};
@@ -85,6 +93,17 @@ TEST_F(PointAboveFloor, BoundsTheStepByTheStiffnessItWillMeet) {
   EXPECT_NEAR(stable_step(1e-5) / step_of(spring_.tangent(2e-4)), 1, 1e-12);
   place(radius - 1e-4, 10);
   EXPECT_NEAR(stable_step(1e-5) / step_of(spring_.tangent(1e-4)), 1, 1e-12);
+}
+
+TEST_F(PointAboveFloor, KeepsTheSumOfElasticAndDampedEnergyWhereSpringsAreReplaced) {
+  place(radius - 2e-4, 0);
+  evaluate();
+  EXPECT_DOUBLE_EQ(energy().elastic, spring_.energy(2e-4));
+  const NormalSpring softer{4e4};
+  replace(softer);
+  evaluate();
+  EXPECT_DOUBLE_EQ(energy().elastic, softer.energy(2e-4));
+  EXPECT_NEAR(energy().elastic + energy().damped, spring_.energy(2e-4), 1e-15);
 }
 
 }  // namespace
