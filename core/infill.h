@@ -16,6 +16,16 @@
 
 namespace tuft {
 
+/// When particles that take steps of their own are kicked. Entry k is of particles [k group, (k + 1) group);
+/// empty: all are kicked in every window, for as long as it is.
+struct ParticleKicks {
+  std::size_t group = 1;
+  std::span<const double> since;   ///< s since the last kick
+  std::span<const double> length;  ///< s that the coming window's kick lasts; 0: it has none
+
+  [[nodiscard]] bool empty() const { return length.empty(); }
+};
+
 /// Structure-of-arrays view of the particles. All spans have one size. Index i is the same particle for the
 /// whole run, in every view and across checkpoints. Valid until the next call that is not const.
 struct ParticleView {
@@ -30,6 +40,7 @@ struct ParticleView {
   std::span<const Index> material;
   /// 1: has left the turf and takes no part any more (Expelled). Empty where none has.
   std::span<const std::uint8_t> expelled;
+  ParticleKicks kicks{};  ///< of the window that `begin_window` has announced
 
   [[nodiscard]] bool is_expelled(std::size_t i) const { return !expelled.empty() && expelled[i] != 0; }
   [[nodiscard]] std::size_t size() const { return x.size(); }
@@ -87,6 +98,18 @@ class Infill {
   [[nodiscard]] virtual ParticleView particles() const = 0;
   /// Largest stable step of the infill's own forces at the present state, s, before any safety factor.
   [[nodiscard]] virtual double stable_step() const = 0;
+  /// Announces the window that `advance` will make, before contact is evaluated for it. energy_wanted:
+  /// energies as of its start are of use.
+  virtual void begin_window(double /*window*/, int /*substeps*/, bool /*energy_wanted*/) {}
+  /// Whether particles may be kicked at times of their own (ParticleView::kicks). Where they are, contact's
+  /// impulse on one is its force times the length of its kick, in windows in which it has one; and
+  /// `set_contact_rates` tells what steps contact bears.
+  [[nodiscard]] virtual bool has_individual_steps() const { return false; }
+  /// Inverse of the longest step that contact bears, 1/s, a value a particle: 0 where nothing is near,
+  /// infinite for a particle that has to be kicked in every window.
+  virtual void set_contact_rates(std::span<const float> /*rates*/) {}
+  /// Whether the energies are as of the start of the last window. If not they are of an earlier moment.
+  [[nodiscard]] virtual bool energy_is_current() const { return true; }
   /// One coupling window, in `substeps` equal steps of window/substeps.
   /// Throws RunError naming particle, time and field when a value is not finite, or the host is gone.
   virtual AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) = 0;

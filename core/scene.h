@@ -384,6 +384,7 @@ struct Numerics {
   double coupling_window = 0;        ///< s; 0: the larger of the carpet's and the infill's step
   double energy_error_limit = 0.05;  ///< relative; passing it stops the run
   double sleep_tolerance = 0;        ///< strain under which SPH infill at rest sleeps; 0: none does
+  int individual_steps = 1;          ///< steps of the run that an SPH particle's own may last; 1: all alike
   double contact_pressure = 800e3;   ///< Pa, highest expected: sets the contact stiffness of the continuum
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch, of the penalty
   BodyContactKind body_contact = BodyContactKind::half_row;

@@ -86,13 +86,37 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   return result;
 }
 
+BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
+                                                      const std::vector<RigidBody>& bodies, double dt,
+                                                      double release, double release_before) {
+  const std::size_t entry = static_cast<std::size_t>(key_point(keys_[pair])) / points.kicks.group;
+  const double length = points.kicks.length[entry], since = points.kicks.since[entry];
+  if (!(length > 0)) {
+    Result result = results_[pair];
+    result.dt = result.weight = result.released = 0;
+    result.contact.damped = result.contact.friction = 0;
+    return result;
+  }
+  // Offsets are let go evenly.
+  const double before = std::min(1.0, release + (release_before - release) * since / dt);
+  Result result = evaluate_pair(pair, points, bodies, 0, since, release, before);
+  result.dt = result.weight = length;
+  return result;
+}
+
 void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead,
                            double dt, double release, double release_before, double weight, Vec3Array& linear,
                            Vec3Array* angular, BodyImpulses& on_bodies) {
   const std::size_t pairs = keys_.size();
 #pragma omp parallel for schedule(static) if (pairs > 1024)
-  for (std::size_t g = 0; g < pairs; ++g)
+  for (std::size_t g = 0; g < pairs; ++g) {
+    if (!points.kicks.empty() && !bodies[key_other(keys_[g])].can_move()) {
+      results_[g] = evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
+      continue;
+    }
     results_[g] = evaluate_pair(g, points, bodies, ahead, dt, release, release_before);
+    results_[g].weight = weight, results_[g].dt = dt;
+  }
 
   // Serial, so that the order of additions does not depend on the threads.
   energy_.elastic = 0;
@@ -104,9 +128,9 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
     energy_.damped += r.contact.damped;
     energy_.released += r.released;
     const Index i = key_point(keys_[g]);
-    linear.add(i, weight * r.contact.force);
-    if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * dt));
-    on_bodies.impulse[key_other(keys_[g])] -= r.contact.force * dt;
+    linear.add(i, r.weight * r.contact.force);
+    if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * r.dt));
+    on_bodies.impulse[key_other(keys_[g])] -= r.contact.force * r.dt;
   }
 }
 
@@ -164,14 +188,15 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
   return stiffness;
 }
 
-double BodyContact::stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
-                                double horizon, bool with_dashpots) const {
+std::vector<double> BodyContact::stable_steps(const ParticleView& points,
+                                              const std::vector<RigidBody>& bodies, double horizon,
+                                              bool with_dashpots) const {
   const std::vector<double> stiffness = coming_stiffness(points, bodies, horizon);
   // Of each point the bodies near it; before the first search it may be any three.
   std::vector<int> near(with_dashpots ? points.size() : 0, searched_ ? 0 : 3);
   if (with_dashpots)
     for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
-  double smallest = std::numeric_limits<double>::infinity();
+  std::vector<double> steps(points.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < points.size(); ++i) {
     double k = stiffness[i], share = 1;
     if (with_dashpots) {
@@ -179,9 +204,27 @@ double BodyContact::stable_step(const ParticleView& points, const std::vector<Ri
       k *= 1 + tangential_ratio * std::max(0, near[i] - 1);
       share = std::sqrt(1 + zeta * zeta) - zeta;
     }
-    if (k > 0) smallest = std::min(smallest, 2 * std::sqrt(points.mass[i] / k) * share);
+    if (k > 0) steps[i] = 2 * std::sqrt(points.mass[i] / k) * share;
   }
-  return smallest;
+  return steps;
+}
+
+double BodyContact::stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                                double horizon, bool with_dashpots) const {
+  const std::vector<double> steps = stable_steps(points, bodies, horizon, with_dashpots);
+  return *std::min_element(steps.begin(), steps.end());
+}
+
+void BodyContact::raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                              double horizon, bool with_dashpots, std::vector<float>& rates) const {
+  const std::vector<double> steps = stable_steps(points, bodies, horizon, with_dashpots);
+  for (const PairKey key : keys_) {
+    const auto i = static_cast<std::size_t>(key_point(key));
+    const float rate = bodies[static_cast<std::size_t>(key_other(key))].can_move()
+                           ? std::numeric_limits<float>::infinity()
+                           : static_cast<float>(1 / steps[i]);
+    rates[i] = std::max(rates[i], rate);
+  }
 }
 
 void BodyContact::save(h5::Group& group) const {

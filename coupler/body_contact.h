@@ -32,7 +32,9 @@ class BodyContact {
 
   /// One substep with points where they stand and bodies moved along their velocity by `ahead` (s). Adds
   /// `weight` times the force (N) to `linear` (weight 1: forces, weight dt: impulses), impulses about the
-  /// points' centres (N m s) to `angular` when it is not null, and impulses on bodies.
+  /// points' centres (N m s) to `angular` when it is not null, and impulses on bodies. Between points that
+  /// have kicks of their own (ParticleView::kicks) and bodies that cannot move the step is the kick's, where
+  /// there is one; the others stay as they are.
   void evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead, double dt,
                 double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
                 BodyImpulses& on_bodies);
@@ -59,6 +61,11 @@ class BodyContact {
   [[nodiscard]] double stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
                                    double horizon, bool with_dashpots) const;
 
+  /// Raises `rates` (1/s, one a point) to what points near a body need: the inverse of `stable_step` for each
+  /// alone, infinite beside a body that can move.
+  void raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
+                   bool with_dashpots, std::vector<float>& rates) const;
+
   void save(h5::Group& group) const;
   void load(const h5::Group& group);
 
@@ -67,10 +74,20 @@ class BodyContact {
     ContactForce contact;
     Vec3 arm{0, 0, 0};
     double released = 0;
+    double weight = 0;  ///< of the force, in impulses on points
+    double dt = 0;      ///< s, of the force, in impulses on bodies
     bool touching = false;
   };
   Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
                        double ahead, double dt, double release, double release_before);
+  /// Of a point with kicks of its own and a body that cannot move.
+  Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
+                              const std::vector<RigidBody>& bodies, double dt, double release,
+                              double release_before);
+  /// Per point, s, see stable_step; infinite where nothing is near.
+  [[nodiscard]] std::vector<double> stable_steps(const ParticleView& points,
+                                                 const std::vector<RigidBody>& bodies, double horizon,
+                                                 bool with_dashpots) const;
   /// Per point, N/m: the stiffest that its springs will be, see stable_step.
   [[nodiscard]] std::vector<double> coming_stiffness(const ParticleView& points,
                                                      const std::vector<RigidBody>& bodies,

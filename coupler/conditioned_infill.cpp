@@ -73,6 +73,8 @@ sph::SphSettings sph_settings(const Scene& scene, const std::vector<EffectDecisi
           effect_on(effects, "tension_cutoff"),
           effect_on(effects, "zero_energy_control"),
           scene.numerics.sleep_tolerance,
+          scene.numerics.individual_steps,
+          scene.numerics.step_safety,
           sph::soil_effects_of(effects),
           turf_box(scene),
           sph::KickLength::step_begun};

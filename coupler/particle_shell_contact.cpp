@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/parallel.h"
@@ -193,6 +194,11 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
     }
   }
   softening_ = touching_ > 0 ? softening / static_cast<double>(touching_) : 1.0;
+}
+
+void ParticleShellContact::raise_rates(std::vector<float>& rates) const {
+  for (const PairKey key : keys_)
+    rates[static_cast<std::size_t>(key_point(key))] = std::numeric_limits<float>::infinity();
 }
 
 void ParticleShellContact::save(h5::Group& group) const {

@@ -68,6 +68,8 @@ class ParticleShellContact {
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
+  /// Makes the rates (one a particle) of those near a shell infinite: they have to be kicked in every window.
+  void raise_rates(std::vector<float>& rates) const;
   [[nodiscard]] std::size_t touching() const { return touching_; }
   /// Mean over touching pairs of material penalty over penalty used, >= 1: how much softer the bound made
   /// contact.

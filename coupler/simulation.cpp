@@ -123,14 +123,16 @@ void Simulation::advance_interval(double interval) {
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
+  tell_contact_rates(interval);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
   const double start = time_;
   for (int w = 0; w < plan_.windows; ++w) {
     time_ = start + w * plan_.window;
-    advance_window();
+    advance_window(w + 1 == plan_.windows);
   }
   time_ = start + interval;
   const ScopedPhase phase(timers_, Phase::ledger);
+  if (!parts_.infill->energy_is_current()) return;
   if (!referenced_) {
     carpet_reference_ = carpet_balance();
     infill_reference_ = infill_balance();
@@ -154,16 +156,33 @@ StepPlan Simulation::next_plan(double interval) const {
   return plan_for(stable).windows < plan_.windows ? plan : plan_;
 }
 
+void Simulation::tell_contact_rates(double interval) {
+  if (!parts_.infill->has_individual_steps()) return;
+  const ScopedPhase phase(timers_, Phase::contact);
+  // They hold until the next interval, and a step begun in it may last longer.
+  const double horizon = interval + parts_.numerics.individual_steps * plan_.window;
+  const ParticleView particles = parts_.infill->particles();
+  contact_rates_.assign(particles.size(), 0);
+  particle_body_.raise_rates(particles, parts_.bodies, horizon, !has_carpet(), contact_rates_);
+  particle_shell_.raise_rates(contact_rates_);
+  parts_.infill->set_contact_rates(contact_rates_);
+}
+
 double Simulation::release_at(double time) const {
   if (!parts_.release_overlap || parts_.numerics.contact_release_time <= 0) return 0;
   return std::clamp(1 - (time - start_time_) / parts_.numerics.contact_release_time, 0.0, 1.0);
 }
 
-void Simulation::advance_window() {
+void Simulation::advance_window(bool last) {
   zero(impulses_.linear);
   zero(impulses_.angular);
   std::fill(body_impulses_.impulse.begin(), body_impulses_.impulse.end(), Vec3::Zero());
-  check_candidates();
+  if (const std::uint64_t before = searches_; check_candidates(), searches_ != before)
+    tell_contact_rates(plan_.window);
+  {
+    const ScopedPhase phase(timers_, Phase::infill);
+    parts_.infill->begin_window(plan_.window, plan_.infill_substeps, last);
+  }
 
   const Vec3 carpet_before = carpet_impulse(*parts_.carpet);
   if (has_carpet()) step_carpet();
@@ -350,7 +369,8 @@ void Simulation::check_candidates() {
     double speed = fastest(p.vx, p.vy, p.vz) + fastest(n.vx, n.vy, n.vz);
     for (const RigidBody& body : parts_.bodies) speed += body.velocity.norm();
     // The coming window moves everything on before the next look; twice, for what speeds up in it.
-    if (moved_since_search() + 2 * speed * plan_.window < parts_.skin) return;
+    const int windows = parts_.infill->has_individual_steps() ? parts_.numerics.individual_steps : 1;
+    if (moved_since_search() + 2 * speed * windows * plan_.window < parts_.skin) return;
   }
   remember_reference();
   search(parts_.infill->particles(), parts_.carpet->nodes());

@@ -98,7 +98,7 @@ class Simulation {
 
  private:
   [[nodiscard]] StepPlan next_plan(double interval) const;
-  void advance_window();
+  void advance_window(bool last);
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   void step_carpet();
   void advance_bodies(Vec3& taken, double& scale);
@@ -108,6 +108,8 @@ class Simulation {
   /// The infill as contact sees it, see `window_position_`.
   [[nodiscard]] ParticleView contact_view() const;
   AdvanceReport advance_infill();
+  /// Where particles take steps of their own: what contact near them bears, in the next while.
+  void tell_contact_rates(double interval);
   [[nodiscard]] double moved_since_search() const;
   void check_momentum(const AdvanceReport& infill, const Vec3& carpet, const Vec3& bodies,
                       double bodies_scale);
@@ -135,6 +137,7 @@ class Simulation {
   ContactImpulses impulses_;
   BodyImpulses body_impulses_;
   std::vector<Vec3> interval_impulse_;
+  std::vector<float> contact_rates_;
 
   struct Reference {  ///< where everything stood at the last search
     Vec3Array particles, nodes, bodies;

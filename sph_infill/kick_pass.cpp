@@ -1,6 +1,7 @@
 /// Pass 2 of a step: forces and the kick that they give; and the drift after it.
 #include <array>
 
+#include "sph_infill/individual_steps.h"
 #include "sph_infill/particle_packs.h"
 #include "sph_infill/sph_infill.h"
 
@@ -158,8 +159,9 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   store_lanes(after, axis_of(p.velocity, axis), i, count);
 
   const Pack mean = 0.5 * (before + after);
-  // Of the change of velocity, for a step dt_before as long.
-  const double share_before = std::min(2.0, kick.step_before / t);
+  // Of the change of velocity, for a step dt_before as long. (A group whose period has become shorter may
+  // have been kicked too far ahead already.)
+  const double share_before = t > 0 ? std::clamp(kick.step_before / t, -2.0, 2.0) : 1;
   const auto add_work = [&](PackSums::Work& work, const Pack& given) {
     work.until_now += only(0.5 * share_before * given * before, count);
     work.whole += only(given * mean, count);
@@ -178,12 +180,18 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
 /// held: velocities become zero. measured: unrest is found.
 template <class Chosen, class KernelType>
 KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
-                    const Kick& kick, bool held, bool measured, std::size_t begin, std::size_t end,
-                    Particles& p) {
+                    const Kick& of_step, const IndividualSteps* steps, bool held, bool measured,
+                    std::size_t begin, std::size_t end, Particles& p) {
   PackSums total;
   Pack unrest_squared = 0, not_finite = 0;
   for (std::size_t i = begin; i < end; i += lanes) {
     const std::size_t count = std::min(lanes, end - i);
+    Kick kick = of_step;
+    if (steps) {
+      if (!steps->is_kicked(i / lanes)) continue;
+      kick.step_before = 2 * steps->velocity_lag(i / lanes);
+      kick.duration = steps->kick_length(i / lanes);
+    }
     const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
     Motion motion;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -207,13 +215,13 @@ KickSums kick_held_block(const KernelType kernel, const LoopSettings& settings, 
                          const Kick& kick, const Sleep& sleep, std::size_t begin, std::size_t end,
                          Particles& p) {
   const std::size_t block = begin / block_size;
-  KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, false, true, begin, end, p);
+  KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, nullptr, false, true, begin, end, p);
   if (sleep.wakes(sums.unrest)) return sums;
   for (std::size_t i = begin; i < end; ++i)
     p.velocity.set(i, {p.motion[i].vx, p.motion[i].vy, p.motion[i].vz});  // that before the kick
   if (!sleep.has_settled(block)) {
     const double unrest = sums.unrest;
-    sums = kick_block<Chosen>(kernel, settings, list, kick, true, false, begin, end, p);
+    sums = kick_block<Chosen>(kernel, settings, list, kick, nullptr, true, false, begin, end, p);
     sums.unrest = unrest;
     return sums;
   }
@@ -249,14 +257,14 @@ KickSums& KickSums::operator+=(const KickSums& other) {
 }
 
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
-              std::vector<KickSums>& blocks, const Sleep* sleep) {
+              std::vector<KickSums>& blocks, const Sleep* sleep, const IndividualSteps* steps) {
   const auto pass = [&](auto chosen, const auto kernel) {
     for_blocks(particles.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
       blocks[b] =
           sleep && sleep->is_held(b)
               ? kick_held_block<decltype(chosen)>(kernel, settings, list, kick, *sleep, begin, end, particles)
-              : kick_block<decltype(chosen)>(kernel, settings, list, kick, false, sleep != nullptr, begin,
-                                             end, particles);
+              : kick_block<decltype(chosen)>(kernel, settings, list, kick, steps, false, sleep != nullptr,
+                                             begin, end, particles);
     });
   };
   with_kernel(settings.options, [&](const auto kernel) {
@@ -279,7 +287,7 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
 }
 
 DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
-                 std::vector<DriftCheck>& blocks, const Sleep* sleep) {
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep, bool renew) {
   if (sleep)
     std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true, false});
   for_blocks(p.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
@@ -300,7 +308,8 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
       // 0 unless a velocity or a position is not finite.
       finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
-    for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
+    if (renew)
+      for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
     blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
   });
   DriftCheck check;
@@ -311,6 +320,14 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
     check.outside = check.outside || block.outside;
   }
   return check;
+}
+
+void renew_records(const IndividualSteps& steps, Particles& p) {
+  for_blocks(p.size(), nullptr, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; i += lanes)
+      if (steps.is_recorded(i / lanes))
+        for (std::size_t k = i; k < std::min(end, i + lanes); ++k) p.record_motion(k);
+  });
 }
 
 }  // namespace tuft::sph

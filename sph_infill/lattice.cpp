@@ -7,8 +7,8 @@
 namespace tuft::sph {
 namespace {
 
-/// Columns of particles across a strip, see make_lattice.
-constexpr long strip_width = 16;
+/// Particles along an edge of a tile, see make_lattice.
+constexpr long tile_width = 16;
 
 /// Rows of one layer: a whole number, spaced so that they fill its depth.
 struct LayerRows {
@@ -49,9 +49,9 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
 
   Lattice lattice;
   lattice.pitch = std::sqrt(px * py);
-  const auto add_column = [&](long ix, long iy) {
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      for (int iz = 0; iz < rows[k].count; ++iz) {
+  const auto add_row = [&](std::size_t k, int iz, long x_begin, long y_begin) {
+    for (long ix = x_begin; ix < std::min(nx, x_begin + tile_width); ++ix)
+      for (long iy = y_begin; iy < std::min(ny, y_begin + tile_width); ++iy) {
         lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
                                     (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
                                     rows[k].bottom + (iz + 0.5) * rows[k].spacing});
@@ -60,10 +60,13 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
         lattice.material.push_back(turf.layers[k].material);
       }
   };
-  // Strips of columns, z fastest: what one particle's neighbours read stays in a core's second-level cache.
-  for (long strip = 0; strip < ny; strip += strip_width)
-    for (long ix = 0; ix < nx; ++ix)
-      for (long iy = strip; iy < std::min(ny, strip + strip_width); ++iy) add_column(ix, iy);
+  // By tiles, row upon row: what one particle's neighbours read stays in a core's second-level cache, and
+  // particles with consecutive indices lie at one height of one layer, so that steps of their own
+  // (individual_steps.h) are alike.
+  for (long iy = 0; iy < ny; iy += tile_width)
+    for (long ix = 0; ix < nx; ix += tile_width)
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (int iz = 0; iz < rows[k].count; ++iz) add_row(k, iz, ix, iy);
   return lattice;
 }
 

@@ -77,11 +77,13 @@ struct Particles {
   std::vector<double> mass, radius;      ///< kg, m
   std::vector<double> reference_volume;  ///< m^3 at no strain: mass over the law's density, unless a
                                          ///< compacted bed made the density it had reached the reference
-  std::vector<Index> layer, material;  ///< material: also the index into the laws
+  std::vector<Index> layer, material;    ///< material: also the index into the laws
 
   // What follows from the above in every step.
   std::vector<MotionRecord> motion;
   std::vector<StressRecord> stress;
+  std::vector<float>
+      own_step;  ///< s, stable step of each; empty where all take the same (individual_steps.h)
   std::vector<ResidualRecord> residual;  ///< empty where zero-energy modes are not controlled
 
   [[nodiscard]] std::size_t size() const { return mass.size(); }

@@ -86,27 +86,63 @@ void SphInfill::save(h5::Group& group) {
     group.write_scalar("loosest_started", m.loosest_started);
   }
   if (m.sleep.enabled()) m.save_sleep(group);
+  if (m.steps.enabled()) m.save_steps(group);
+}
+
+// What is not strained in the next step is read by those that are kicked.
+void SphInfill::Impl::save_steps(h5::Group& group) const {
+  steps.save(group);
+  save_records(group);
+  group.write("own_step", std::vector<double>(particles.own_step.begin(), particles.own_step.end()));
+  group.write(
+      "energy_in_step",
+      std::vector<double>{energy_in_step.kinetic, energy_in_step.stored, energy_in_step.dissipated,
+                          energy_in_step.gravity_potential, energy_in_step.damping,
+                          energy_in_step.contact_work, energy_in_step.let_go, energy_in_step.expelled});
+}
+
+void SphInfill::Impl::load_steps(const h5::Group& group) {
+  steps.load(group);
+  load_records(group);
+  const std::vector<double> own = read_array(group, "own_step", particles.size());
+  std::transform(own.begin(), own.end(), particles.own_step.begin(),
+                 [](double v) { return static_cast<float>(v); });
+  const std::vector<double> e = read_array(group, "energy_in_step", 8);
+  energy_in_step = {e[0], e[1], e[2], e[3], e[4], e[5], e[6], e[7]};
+}
+
+/// With what says when the list is to be built anew.
+void SphInfill::Impl::save_records(h5::Group& group) const {
+  group.write_scalar("displacement", displacement);
+  group.write("frame", std::vector<double>(frame.data(), frame.data() + 3));
+  group.write("stress_records", values_of(particles.stress));
+  group.write("residual_records", values_of(particles.residual));
+}
+
+void SphInfill::Impl::load_records(const h5::Group& group) {
+  displacement = group.read_double("displacement");
+  const std::vector<double> moving = read_array(group, "frame", 3);
+  frame = Vec3(moving[0], moving[1], moving[2]);
+  set_values(read_array(group, "stress_records", particles.stress.size() * StressRecord::values),
+             particles.stress);
+  set_values(read_array(group, "residual_records", particles.residual.size() * ResidualRecord::values),
+             particles.residual);
 }
 
 // What is asleep is not computed again: what its neighbours read of it is part of the state.
 void SphInfill::Impl::save_sleep(h5::Group& group) const {
   sleep.save(group, list);
-  group.write_scalar("displacement", displacement);
-  group.write("frame", std::vector<double>(frame.data(), frame.data() + 3));
+  save_records(group);
   std::vector<double> potential, stable;
   for (const KickSums& block : kick_blocks) potential.push_back(block.gravity_potential);
   for (const StressSums& block : stress_blocks) stable.push_back(block.stable_step);
   group.write("block_gravity_potential", potential);
   group.write("block_stable_step", stable);
-  group.write("stress_records", values_of(particles.stress));
-  group.write("residual_records", values_of(particles.residual));
 }
 
 void SphInfill::Impl::load_sleep(const h5::Group& group) {
   sleep.load(group, list);
-  displacement = group.read_double("displacement");
-  const std::vector<double> moving = read_array(group, "frame", 3);
-  frame = Vec3(moving[0], moving[1], moving[2]);
+  load_records(group);
   const std::vector<double> potential = read_array(group, "block_gravity_potential", kick_blocks.size()),
                             stable = read_array(group, "block_stable_step", stress_blocks.size());
   for (std::size_t b = 0; b < potential.size(); ++b) {
@@ -114,10 +150,6 @@ void SphInfill::Impl::load_sleep(const h5::Group& group) {
     kick_blocks[b].gravity_potential = potential[b];
     stress_blocks[b].stable_step = stable[b];
   }
-  set_values(read_array(group, "stress_records", particles.stress.size() * StressRecord::values),
-             particles.stress);
-  set_values(read_array(group, "residual_records", particles.residual.size() * ResidualRecord::values),
-             particles.residual);
 }
 
 void SphInfill::load(const h5::Group& group) {
@@ -140,6 +172,7 @@ void SphInfill::load(const h5::Group& group) {
   }
   m.list.build(m.particles.position);
   if (m.sleep.enabled()) m.load_sleep(group);
+  if (m.steps.enabled()) m.load_steps(group);
 }
 
 }  // namespace tuft::sph

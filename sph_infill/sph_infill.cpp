@@ -83,6 +83,11 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   const std::size_t n = lattice.position.size();
   p.assign(n);
   if (given.zero_energy_control) p.residual.assign(n, {});
+  if (given.individual_steps > 1 && given.sleep_tolerance > 0)
+    throw_input_error(
+        "numerics.individual_steps and numerics.sleep_tolerance cannot be combined: choose one of them");
+  steps = IndividualSteps(given.individual_steps, given.step_safety, n);
+  if (steps.enabled()) p.own_step.assign(n, 0);
   p.position = lattice.position;
   if (given.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
   p.volume = lattice.volume;
@@ -153,8 +158,41 @@ SphInfill::~SphInfill() = default;
 
 ParticleView SphInfill::particles() const {
   const Particles& p = impl_->particles;
-  return {p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z,        {}, {},
-          {},           p.radius,     p.mass,       p.layer,      p.material,   impl_->expelled_mask};
+  return {p.position.x,
+          p.position.y,
+          p.position.z,
+          p.velocity.x,
+          p.velocity.y,
+          p.velocity.z,
+          {},
+          {},
+          {},
+          p.radius,
+          p.mass,
+          p.layer,
+          p.material,
+          impl_->expelled_mask,
+          impl_->begun ? impl_->steps.kicks() : ParticleKicks{}};
+}
+
+void SphInfill::begin_window(double window, int substeps, bool energy_wanted) {
+  if (impl_->steps.enabled()) impl_->begin_steps(window / substeps, substeps, energy_wanted);
+}
+
+bool SphInfill::has_individual_steps() const {
+  return impl_->steps.enabled();
+}
+
+void SphInfill::set_contact_rates(std::span<const float> rates) {
+  impl_->steps.set_contact_rates(rates);
+}
+
+bool SphInfill::energy_is_current() const {
+  return !impl_->steps.enabled() || impl_->steps.is_in_step();
+}
+
+int SphInfill::period_of(std::size_t particle) const {
+  return impl_->steps.period_of(particle);
 }
 
 double SphInfill::stable_step() const {
@@ -162,7 +200,7 @@ double SphInfill::stable_step() const {
 }
 
 InfillEnergy SphInfill::energy() const {
-  return impl_->energy;
+  return impl_->steps.enabled() ? impl_->energy_in_step : impl_->energy;
 }
 
 Expelled SphInfill::expelled() const {
@@ -212,6 +250,7 @@ AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpul
 
   AdvanceReport report;
   for (int s = 0; s < substeps; ++s) {
+    if (m.steps.enabled() && !m.begun) m.begin_steps(window / substeps, substeps, true);
     const KickSums kicked = m.step(window / substeps, given ? &contact.linear : nullptr, 1.0 / substeps);
     report.impulse_received += kicked.impulse;
     report.impulse_scale += kicked.impulse_scale;
@@ -222,35 +261,61 @@ AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpul
 
 KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
   const Sleep* sleeping = sleep.enabled() ? &sleep : nullptr;
-  prepare(impulse, dt / impulse_share);
+  IndividualSteps* individual = steps.enabled() ? &steps : nullptr;
+  if (individual)
+    renew_records(steps, particles);
+  else
+    prepare(impulse, dt / impulse_share);
 
-  const StressSums stress = update_stress(settings, list, step_before, particles, stress_blocks, sleeping);
+  const StressSums stress = update_stress(settings, list, individual ? dt : step_before, particles,
+                                          stress_blocks, sleeping, individual);
   if (!stress.valid) report_invalid_stress();
   stable_step = stress.stable_step;
 
   const bool as_begun = kick_length == KickLength::step_begun && step_before > 0;
   const Kick now{step_before,  as_begun ? dt : 0.5 * (step_before + dt), gravity, damping, impulse,
                  impulse_share};
-  const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping);
+  const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping, individual);
   record_energy(stress, kicked);
 
   // What has been expelled stays where it left.
   for (const Index i : expelled_index) particles.velocity.set(static_cast<std::size_t>(i), Vec3::Zero());
-  const DriftCheck moved = drift(dt, frame, box, particles, drift_blocks, sleeping);
+  const DriftCheck moved = drift(dt, frame, box, particles, drift_blocks, sleeping, individual == nullptr);
   if (!moved.valid) report_invalid_motion();
   displacement += dt * std::sqrt(moved.largest_speed_squared);
   frame = moved.velocity_sum / static_cast<double>(particles.size());
   time += dt;
   step_before = dt;
-  particle_steps += sleep.computed_particles();
+  particle_steps += individual ? steps.kicked_particles() : sleep.computed_particles();
   if (sleeping) sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; });
+  if (individual) steps.end(dt), begun = false;
   if (moved.outside) expel(dt);
   return kicked;
 }
 
+void SphInfill::Impl::begin_steps(double dt, int substeps, bool energy_wanted) {
+  if (substeps > 1) steps.take_every_step();  // contact is not evaluated between them
+  const bool choose = substeps == 1 && steps.to_be_chosen(),
+             stale = displacement > list.allowed_displacement();
+  if (choose || stale) {
+    // A list just built, so that a resumed run chooses alike.
+    list.build(particles.position);
+    displacement = 0;
+    if (choose) {
+      steps.choose(2 * settings.options.smoothing_length, list, particles, dt);
+    } else {
+      steps.keep_pace(list);
+    }
+  }
+  const double still_allowed = list.allowed_displacement() - displacement;
+  steps.shorten(list, particles, 2 * (settings.options.smoothing_length + still_allowed), dt);
+  steps.begin(dt, energy_wanted, kick_length == KickLength::step_begun);
+  begun = true;
+}
+
 /// Energies of t_k: the kick's part before that moment counts, the rest is kept for the next.
 void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& kicked) {
-  energy.kinetic = kicked.kinetic;
+  energy.kinetic = kicked.kinetic;  // of those kicked, where steps are individual
   energy.gravity_potential = kicked.gravity_potential;
   energy.expelled += std::exchange(pending.expelled, 0);
   energy.stored += stress.work - stress.plastic;
@@ -263,6 +328,7 @@ void SphInfill::Impl::record_energy(const StressSums& stress, const KickSums& ki
   account(energy.dissipated, pending.holding, kicked.holding);
   account(energy.damping, pending.damping, kicked.damping);
   account(energy.contact_work, pending.contact, kicked.contact);
+  if (steps.enabled() && steps.is_in_step()) energy_in_step = energy;
 }
 
 void SphInfill::Impl::expel(double dt) {

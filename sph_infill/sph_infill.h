@@ -52,6 +52,8 @@ struct SphSettings {
   bool tension_cutoff = true;
   bool zero_energy_control = false;
   double sleep_tolerance = 0;  ///< strain, see sleep.h; 0: nothing sleeps
+  int individual_steps = 1;    ///< longest period, see individual_steps.h; 1: all take every step
+  double step_safety = 0.8;    ///< share of the stable step that a period may take
   SoilEffects soil_effects;
   TurfBox box;
   KickLength kick_length = KickLength::mean_of_steps;
@@ -91,6 +93,13 @@ class SphInfill final : public Infill {
   /// As of the last stress evaluation; how it is estimated and how near the true limit: stable_step.h. Walls
   /// are not in it: a contact spring k on a particle of mass m needs dt < 2 sqrt(m/k) of its own.
   [[nodiscard]] double stable_step() const override;
+  /// For individual steps; a window that is not announced is announced by `advance`.
+  void begin_window(double window, int substeps, bool energy_wanted) override;
+  [[nodiscard]] bool has_individual_steps() const override;
+  void set_contact_rates(std::span<const float> rates) override;
+  [[nodiscard]] bool energy_is_current() const override;
+  /// Period of a particle's steps, in steps of the run.
+  [[nodiscard]] int period_of(std::size_t particle) const;
   /// Empty contact arrays stand for no contact.
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;

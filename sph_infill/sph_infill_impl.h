@@ -1,5 +1,6 @@
 #pragma once
 /// What SphInfill holds; shared by its stepping and its checkpoints.
+#include "sph_infill/individual_steps.h"
 #include "sph_infill/sleep.h"
 #include "sph_infill/sph_infill.h"
 #include "sph_infill/sph_loops.h"
@@ -12,6 +13,8 @@ struct SphInfill::Impl {
   Particles particles;
   NeighbourList list;
   Sleep sleep;
+  IndividualSteps steps;
+  bool begun = false;  ///< the coming window is announced
   TurfBox box;
   KickLength kick_length = KickLength::mean_of_steps;
 
@@ -23,8 +26,9 @@ struct SphInfill::Impl {
   double displacement = 0;
   Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
-  InfillEnergy energy;     ///< as of the last force evaluation
-  bool took_over = false;  ///< a compacted bed: reference volumes are state
+  InfillEnergy energy;          ///< as of the last force evaluation
+  InfillEnergy energy_in_step;  ///< as of the last in which all were kicked, where steps are individual
+  bool took_over = false;       ///< a compacted bed: reference volumes are state
   std::uint64_t loosest_started = 0;
   /// Works of the part of the last kick that lies after that moment.
   struct {
@@ -45,12 +49,18 @@ struct SphInfill::Impl {
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
   void save_sleep(h5::Group& group) const;
   void load_sleep(const h5::Group& group);
+  void save_steps(h5::Group& group) const;
+  void load_steps(const h5::Group& group);
+  void save_records(h5::Group& group) const;
+  void load_records(const h5::Group& group);
   void record_energy(const StressSums& stress, const KickSums& kicked);
   /// After the whole list was built.
   void note_neighbours();
   /// Takes out of the turf what the drift has moved out of the box. dt: of that drift.
   void expel(double dt);
   void take_out(Index particle);
+  /// Before the first of the window's substeps: lists, periods, and what is due.
+  void begin_steps(double dt, int substeps, bool energy_wanted);
   /// Makes the neighbours of all that will be computed known, and chooses what that is.
   void prepare(const Vec3Array* impulse, double window);
   [[noreturn]] void report_invalid_stress() const;

@@ -50,6 +50,7 @@ namespace tuft::sph {
 inline constexpr double smallest_density_ratio = 0.2, largest_density_ratio = 5;
 
 class Sleep;
+class IndividualSteps;
 
 struct LoopSettings {
   SphOptions options;
@@ -70,14 +71,16 @@ struct StressSums {
 
 /// Pass 1: velocity gradient at t_k, stress from t_{k-1} to t_k (drift of length dt; 0 at the start of a
 /// run), Q, volumes, largest stable step. `blocks` has block_count(particles) entries; those of sleeping
-/// blocks stay. sleep: null where none sleeps.
+/// blocks stay. sleep: null where none sleeps. steps: null where all particles take the same; else a group's
+/// drift is since its last strain.
 StressSums update_stress(const LoopSettings& settings, const NeighbourList& list, double dt,
-                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep = nullptr);
+                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep = nullptr,
+                         IndividualSteps* steps = nullptr);
 
 /// One kick about t_k: from half a step before to half a step after, or as long as SphSettings::kick_length
 /// wants it where steps change.
 struct Kick {
-  double step_before = 0;              ///< s, the drift that led to t_k
+  double step_before = 0;              ///< s, the drift that led to t_k: twice what velocities lag behind it
   double duration = 0;                 ///< s
   Vec3 gravity{0, 0, 0};               ///< m/s^2
   double damping = 0;                  ///< 1/s
@@ -117,7 +120,8 @@ struct KickSums {
 
 /// Pass 2: forces at t_k; velocities become those at t_k + dt/2.
 KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kick& kick, Particles& particles,
-              std::vector<KickSums>& blocks, const Sleep* sleep = nullptr);
+              std::vector<KickSums>& blocks, const Sleep* sleep = nullptr,
+              const IndividualSteps* steps = nullptr);
 
 /// What the drift finds.
 struct DriftCheck {
@@ -129,9 +133,12 @@ struct DriftCheck {
 
 struct TurfBox;
 
-/// Moves positions by dt and renews the records of motion. frame: m/s, speeds are measured relative to it.
+/// Moves positions by dt and renews the records of motion, unless steps are individual: then
+/// `renew_records` does. frame: m/s, speeds are measured relative to it.
 DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& particles,
-                 std::vector<DriftCheck>& blocks, const Sleep* sleep = nullptr);
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep = nullptr, bool renew = true);
+/// Of the groups that are due in the step begun.
+void renew_records(const IndividualSteps& steps, Particles& particles);
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sph_infill/gradient_correction.h"
+#include "sph_infill/individual_steps.h"
 #include "sph_infill/particle_packs.h"
 #include "sph_infill/soil_update.h"
 
@@ -160,9 +161,11 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
   const Pack frequency = stdx::sqrt(modulus * volume * row_mobility(sums, correction, Pack(1.0) / mass));
   const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
-  total.stable_step = stdx::min(
-      total.stable_step,
-      particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate))));
+  const Pack stable =
+      particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)));
+  total.stable_step = stdx::min(total.stable_step, stable);
+  if (!p.own_step.empty())
+    for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
   Pack linear = 0, quadratic = 0;
   if (settings.artificial_viscosity) {
     quadratic = stdx::sqrt(mass * volume);
@@ -184,15 +187,33 @@ ParticleUpdate particle_update_of(const SoilEffects& effects) {
   return update;
 }
 
+/// Stable steps of those that were not strained count too.
+void note_steps(const Particles& p, std::size_t begin, std::size_t end, IndividualSteps& steps,
+                StressSums& sums) {
+  for (std::size_t i = begin; i < end; i += lanes) {
+    const auto first = p.own_step.begin() + static_cast<std::ptrdiff_t>(i);
+    const double stable =
+        *std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(lanes, end - i)));
+    sums.stable_step = std::min(sums.stable_step, stable);
+    steps.note(i / lanes, stable);
+  }
+}
+
 template <class KernelType>
 StressSums update_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
-                        double dt, std::size_t begin, std::size_t end, Particles& p) {
+                        double dt, IndividualSteps* steps, std::size_t begin, std::size_t end, Particles& p) {
   const ParticleUpdate update = particle_update_of(settings.soil_effects);
   PackSums total;
-  for (std::size_t i = begin; i < end; i += lanes)
-    update(settings, sum_pair_gradients(kernel, list, p, i / lanes), dt, i, std::min(lanes, end - i), p,
-           total);
-  return {sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step), total.valid};
+  for (std::size_t i = begin; i < end; i += lanes) {
+    const std::size_t group = i / lanes;
+    if (steps && !steps->is_strained(group)) continue;
+    update(settings, sum_pair_gradients(kernel, list, p, group), steps ? steps->since_strain(group) : dt, i,
+           std::min(lanes, end - i), p, total);
+  }
+  StressSums sums{sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step),
+                  total.valid};
+  if (steps) note_steps(p, begin, end, *steps, sums);
+  return sums;
 }
 
 }  // namespace
@@ -216,10 +237,11 @@ GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& li
 }
 
 StressSums update_stress(const LoopSettings& settings, const NeighbourList& list, double dt,
-                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep) {
+                         Particles& particles, std::vector<StressSums>& blocks, const Sleep* sleep,
+                         IndividualSteps* steps) {
   with_kernel(settings.options, [&](const auto kernel) {
     for_blocks(particles.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
-      blocks[b] = update_block(kernel, settings, list, dt, begin, end, particles);
+      blocks[b] = update_block(kernel, settings, list, dt, steps, begin, end, particles);
     });
   });
   StressSums sum;

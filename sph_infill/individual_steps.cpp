@@ -1,0 +1,262 @@
+#include "sph_infill/individual_steps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <type_traits>
+
+#include "core/error.h"
+#include "sph_infill/particle_packs.h"
+
+namespace tuft::sph {
+namespace {
+
+/// A neighbour's period is at most so many times as long: a wave meets no step much too coarse for it
+/// (Saitoh & Makino 2009, ApJ 697, L99: 4).
+constexpr int largest_ratio = 4;
+
+/// Calls look(group, j) for the neighbours of all groups, on all threads.
+template <class Look>
+void for_rows(const NeighbourList& list, std::size_t groups, Look&& look) {
+  parallel_for(groups, [&](std::size_t g) {
+    const NeighbourList::GroupRows rows = list.group(g);
+    for (std::size_t e = 0; e < rows.length * lanes; ++e)
+      look(g, static_cast<std::size_t>(rows.first[e]) / lanes);
+  });
+}
+
+/// Each group's value and those of its neighbours: the smallest.
+std::vector<std::uint8_t> smallest_around(const NeighbourList& list,
+                                          const std::vector<std::uint8_t>& values) {
+  std::vector<std::uint8_t> smallest = values;
+  for_rows(list, values.size(),
+           [&](std::size_t g, std::size_t other) { smallest[g] = std::min(smallest[g], values[other]); });
+  return smallest;
+}
+
+/// Inverse of the shortest stable step of the particles of a group and of all within their support, 1/s.
+float rate_around(double support, const NeighbourList& list, const Particles& p, std::size_t group) {
+  const auto own_index = indices_of_group(group, p.size());
+  const auto of = [](const std::vector<double>& values, const Index* index) {
+    return Pack([&](std::size_t l) { return values[static_cast<std::size_t>(index[l])]; });
+  };
+  const auto step_of = [&](const Index* index) {
+    return Pack([&](std::size_t l) { return double(p.own_step[static_cast<std::size_t>(index[l])]); });
+  };
+  const Pack xi = of(p.position.x, own_index.data()), yi = of(p.position.y, own_index.data()),
+             zi = of(p.position.z, own_index.data());
+  Pack shortest = step_of(own_index.data());
+  const NeighbourList::GroupRows rows = list.group(group);
+  for (std::size_t k = 0; k < rows.length; ++k) {
+    const Index* index = rows.first + k * lanes;
+    const Pack dx = xi - of(p.position.x, index), dy = yi - of(p.position.y, index),
+               dz = zi - of(p.position.z, index);
+    const PackMask near = dx * dx + dy * dy + dz * dz < support * support;
+    shortest =
+        stdx::min(shortest, select(near, step_of(index), Pack(std::numeric_limits<double>::infinity())));
+  }
+  return static_cast<float>(1 / smallest_lane(shortest));
+}
+
+}  // namespace
+
+IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particles)
+    : largest_(largest), safety_(safety), particles_(particles) {
+  if (largest < 1 || largest > most || (largest & (largest - 1)) != 0)
+    throw_input_error("numerics.individual_steps is {}; it must be 1, 2, 4, 8 or {}", largest, most);
+  if (!enabled()) return;
+  const std::size_t count = (particles + lanes - 1) / lanes;
+  for (auto* values : {&period_, &kick_period_, &pace_, &record_pace_}) values->assign(count, 1);
+  due_.assign(count, recorded | strained | kicked);
+  for (auto* values : {&own_rate_, &rate_, &contact_rate_}) values->assign(count, 0);
+  for (auto* values : {&since_kick_, &planned_, &since_strain_, &kick_length_}) values->assign(count, 0);
+}
+
+int IndividualSteps::period_of(std::size_t particle) const {
+  return enabled() ? period_[particle / lanes] : 1;
+}
+
+void IndividualSteps::set_contact_rates(std::span<const float> rates) {
+  if (!enabled()) return;
+  for (std::size_t g = 0; g < groups(); ++g) {
+    float largest = 0;
+    for (std::size_t i = g * lanes; i < std::min(particles_, (g + 1) * lanes); ++i)
+      largest = std::max(largest, rates[i]);
+    contact_rate_[g] = largest;
+  }
+}
+
+void IndividualSteps::choose(double support, const NeighbourList& list, const Particles& p, double dt) {
+  parallel_for(groups(), [&](std::size_t g) {
+    rate_[g] = rate_around(support, list, p, g);
+    period_[g] = longest_period(g, dt);
+  });
+  limit_ratios(list);
+  keep_pace(list);
+  cycle_ = *std::max_element(period_.begin(), period_.end());
+  since_chosen_ = 0;
+}
+
+std::uint8_t IndividualSteps::longest_period(std::size_t group, double dt) const {
+  const double rate = std::hypot(rate_[group], contact_rate_[group]);
+  int period = largest_;
+  while (period > 1 && !(period * dt * rate <= safety_)) period /= 2;
+  return static_cast<std::uint8_t>(period);
+}
+
+void IndividualSteps::shorten_to(std::size_t group, int period) {
+  if (period_[group] <= period) return;
+  period_[group] = static_cast<std::uint8_t>(period);
+  shortened_.push_back(group);
+}
+
+// Each of these only ever lowers a value to that of a neighbour, so the order of neighbours does not matter.
+void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, double reach, double dt) {
+  const auto for_near = [&](std::size_t g, auto&& visit) {
+    const NeighbourList::GroupRows rows = list.group(g);
+    for (std::size_t e = 0; e < rows.length * lanes; ++e) {
+      const auto j = static_cast<std::size_t>(rows.first[e]),
+                 i = std::min(g * lanes + e % lanes, particles_ - 1);
+      if ((p.position[i] - p.position[j]).squaredNorm() < reach * reach) visit(j / lanes);
+    }
+  };
+  shortened_.clear(), paced_.clear();
+  const auto is_too_long = [&](std::size_t g, double rate) {
+    return !(period_[g] * dt * rate <= most_of_step);
+  };
+  for (std::size_t g = 0; g < groups(); ++g) {
+    if (period_[g] == 1) continue;
+    if (is_too_long(g, own_rate_[g])) paced_.push_back(g);
+  }
+  for (const std::size_t g : paced_) {
+    rate_[g] = std::max(rate_[g], own_rate_[g]);
+    for_near(g, [&](std::size_t other) { rate_[other] = std::max(rate_[other], own_rate_[g]); });
+  }
+  for (std::size_t g = 0; g < groups(); ++g)
+    if (period_[g] > 1 && is_too_long(g, std::hypot(rate_[g], contact_rate_[g])))
+      shorten_to(g, longest_period(g, dt));
+  for (std::size_t k = 0; k < shortened_.size(); ++k)  // it grows
+    for_near(shortened_[k],
+             [&](std::size_t other) { shorten_to(other, largest_ratio * period_[shortened_[k]]); });
+  paced_.clear();
+  for (const std::size_t g : shortened_) {
+    const auto lower_pace = [&](std::size_t other) {
+      if (pace_[other] <= period_[g]) return;
+      pace_[other] = period_[g];
+      paced_.push_back(other);
+    };
+    lower_pace(g);
+    for_near(g, lower_pace);
+  }
+  for (const std::size_t g : paced_) {
+    const auto lower = [&](std::size_t other) {
+      record_pace_[other] = std::min(record_pace_[other], pace_[g]);
+    };
+    lower(g);
+    for_near(g, lower);
+  }
+}
+
+// Once is enough: what is held to four times the smallest period does not hold others of up to sixteen.
+void IndividualSteps::limit_ratios(const NeighbourList& list) {
+  const std::vector<std::uint8_t> smallest = smallest_around(list, period_);
+  for (std::size_t g = 0; g < groups(); ++g)
+    period_[g] = static_cast<std::uint8_t>(std::min<int>(period_[g], largest_ratio * smallest[g]));
+}
+
+void IndividualSteps::take_every_step() {
+  for (auto* values : {&period_, &pace_, &record_pace_}) std::fill(values->begin(), values->end(), 1);
+  cycle_ = 1;
+  since_chosen_ = chosen_every;
+}
+
+void IndividualSteps::keep_pace(const NeighbourList& list) {
+  pace_ = smallest_around(list, period_);
+  record_pace_ = smallest_around(list, pace_);
+}
+
+void IndividualSteps::plan_kick(std::size_t group, double dt, bool as_begun) {
+  const double next = period_[group] * dt;
+  const bool same = planned_[group] > 0 && kick_period_[group] == period_[group];
+  kick_length_[group] = as_begun && same ? next : velocity_lag(group) + 0.5 * next;
+}
+
+void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
+  // Records of energy and steps in which all are kicked meet by themselves where their numbers allow it.
+  if (energy_wanted && phase_ % cycle_ != 0 && since_wanted_ >= 8 * cycle_) phase_ = 0;
+  in_step_ = phase_ % cycle_ == 0;
+  since_wanted_ = in_step_ && energy_wanted ? 0 : since_wanted_ + 1;
+  kicked_particles_ = 0;
+  for (std::size_t g = 0; g < groups(); ++g) {
+    const auto is_due = [&](std::uint8_t pace) { return in_step_ || phase_ % pace == 0; };
+    due_[g] =
+        static_cast<std::uint8_t>((is_due(record_pace_[g]) ? recorded : 0) |
+                                  (is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));
+    if (is_kicked(g)) {
+      plan_kick(g, dt, as_begun);
+      kicked_particles_ += std::min(particles_, (g + 1) * lanes) - g * lanes;
+    } else {
+      kick_length_[g] = 0;
+    }
+  }
+  kicks_ = {lanes, since_kick_, kick_length_};
+}
+
+void IndividualSteps::end(double dt) {
+  for (std::size_t g = 0; g < groups(); ++g) {
+    if (is_strained(g)) since_strain_[g] = 0;
+    if (is_kicked(g)) {
+      since_kick_[g] = 0;
+      planned_[g] = period_[g] * dt;
+      kick_period_[g] = period_[g];
+    }
+    since_strain_[g] += dt;
+    since_kick_[g] += dt;
+  }
+  phase_ = (phase_ + 1) % most;
+  ++since_chosen_;
+}
+
+void IndividualSteps::save(h5::Group& group) const {
+  if (!enabled()) return;
+  const auto write = [&](const char* name, const auto& values) {
+    group.write(name, std::vector<double>(values.begin(), values.end()));
+  };
+  write("steps_period", period_), write("steps_kick_period", kick_period_);
+  write("steps_pace", pace_), write("steps_record_pace", record_pace_);
+  write("steps_own_rate", own_rate_);
+  write("steps_rate", rate_), write("steps_contact_rate", contact_rate_);
+  write("steps_since_kick", since_kick_), write("steps_planned", planned_);
+  write("steps_since_strain", since_strain_);
+  write("steps_numbers", std::array{phase_, cycle_, since_chosen_, since_wanted_});
+  group.write_scalar("steps_in_step", static_cast<std::uint64_t>(in_step_));
+}
+
+void IndividualSteps::load(const h5::Group& group) {
+  if (!enabled()) return;
+  const auto read = [&](const char* name, auto& values) {
+    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+    const std::vector<double> found = group.read_doubles(name);
+    if (found.size() != values.size())
+      throw_input_error(
+          "checkpoint of SPH infill holds {} values of {}, but the scene needs {}; it belongs to another "
+          "scene",
+          found.size(), name, values.size());
+    std::transform(found.begin(), found.end(), values.begin(),
+                   [](double v) { return static_cast<Value>(v); });
+  };
+  read("steps_period", period_), read("steps_kick_period", kick_period_);
+  read("steps_pace", pace_), read("steps_record_pace", record_pace_);
+  read("steps_own_rate", own_rate_);
+  read("steps_rate", rate_), read("steps_contact_rate", contact_rate_);
+  read("steps_since_kick", since_kick_), read("steps_planned", planned_);
+  read("steps_since_strain", since_strain_);
+  std::array<std::uint32_t, 4> numbers{};
+  read("steps_numbers", numbers);
+  std::tie(phase_, cycle_, since_chosen_, since_wanted_) = std::tuple_cat(numbers);
+  in_step_ = group.read_count("steps_in_step") != 0;
+}
+
+}  // namespace tuft::sph

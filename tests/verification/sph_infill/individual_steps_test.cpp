@@ -1,0 +1,251 @@
+/// Particles of soft layers take longer steps: stable, as accurate as with one step for all to second order,
+/// and the same bits however it is run.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <limits>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "sph_infill/individual_steps.h"
+#include "tests/unit/sph_infill/sph_test_support.h"
+
+namespace tuft::sph {
+namespace {
+
+constexpr double pitch = 0.002;
+constexpr int width = 8, stiff_rows = 4, soft_rows = 12;
+
+/// A free block: 4 rows of a stiff elastic material (50 MPa) under 12 of a soft one (1 MPa).
+struct LayeredBlock {
+  Lattice lattice;
+  SphInfill infill;
+
+  LayeredBlock(int individual_steps, test::Preset preset, bool viscosity, double safety = 0.8)
+      : lattice(lattice_of()),
+        infill(lattice, materials(), settings_of(individual_steps, preset, viscosity, safety)) {}
+
+  static Lattice lattice_of() {
+    Turf turf;
+    turf.layers = {{0, stiff_rows * pitch}, {1, soft_rows * pitch}};
+    return make_lattice(turf, {{width * pitch, width * pitch}, 0}, pitch);
+  }
+  static std::vector<Material> materials() {
+    std::vector<Material> both = test::single_material(test::elastic_material(50e6, 1500));
+    both.push_back(test::single_material(test::elastic_material(1e6, 600)).front());
+    return both;
+  }
+  static SphSettings settings_of(int individual_steps, test::Preset preset, bool viscosity,
+                                 double safety = 0.8) {
+    SphSettings settings;
+    settings.options = test::options_of(preset, pitch);
+    settings.gravity = {0, 0, 0};
+    settings.artificial_viscosity = viscosity;
+    settings.individual_steps = individual_steps;
+    settings.step_safety = safety;
+    return settings;
+  }
+  [[nodiscard]] double height(std::size_t i) const { return lattice.position.z[i] / pitch; }
+  void shake(double speed) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> any(-speed, speed);
+    for (std::size_t i = 0; i < lattice.position.size(); ++i)
+      infill.set_velocity(i, {any(random), any(random), any(random)});
+  }
+  /// A smooth bump of downward velocity in the soft layer, on its way to the stiff one.
+  void strike(double speed) {
+    for (std::size_t i = 0; i < lattice.position.size(); ++i)
+      infill.set_velocity(i, {0, 0, -speed * std::exp(-std::pow((height(i) - 11) / 3, 2))});
+  }
+  void advance(double dt, int steps) {
+    for (int k = 0; k < steps; ++k) infill.advance(dt, 1, {});
+  }
+  [[nodiscard]] double total_energy() const {
+    const InfillEnergy e = infill.energy();
+    return e.kinetic + e.stored + e.dissipated;
+  }
+  /// How far the centre of mass has moved along z, m. Velocities are of different times, positions are not.
+  [[nodiscard]] double moved() const {
+    const ParticleView p = infill.particles();
+    double sum = 0, mass = 0;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      sum += p.mass[i] * (p.z[i] - lattice.position.z[i]), mass += p.mass[i];
+    return sum / mass;
+  }
+  [[nodiscard]] double mean_speed() const {
+    const ParticleView p = infill.particles();
+    double sum = 0, mass = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.vz[i], mass += p.mass[i];
+    return sum / mass;
+  }
+};
+
+class IndividualStepsOf : public testing::TestWithParam<test::Preset> {};
+INSTANTIATE_TEST_SUITE_P(Presets, IndividualStepsOf,
+                         testing::Values(test::Preset::accurate, test::Preset::paper));
+
+TEST_P(IndividualStepsOf, AreLongInTheSoftLayerButNotWithinReachOfTheStiffOne) {
+  LayeredBlock block(8, GetParam(), false);
+  block.shake(1e-4);
+  block.advance(0.8 * block.infill.stable_step(), 4);
+  const double support = 2 * test::options_of(GetParam(), pitch).smoothing_length / pitch;
+  int longest = 1;
+  for (std::size_t i = 0; i < block.lattice.position.size(); ++i) {
+    if (block.height(i) < stiff_rows - 0.5 + support) {
+      EXPECT_EQ(block.infill.period_of(i), 1) << block.height(i);
+    }
+    longest = std::max(longest, block.infill.period_of(i));
+  }
+  EXPECT_GE(longest, 4);
+  block.advance(0.8 * block.infill.stable_step(), 60);
+  EXPECT_LT(block.infill.particle_steps(), 64 * block.lattice.position.size() * 6 / 10);
+}
+
+TEST_P(IndividualStepsOf, KeepTheEnergyOfAShakenBlockWithoutViscosityForTenThousandSteps) {
+  LayeredBlock block(8, GetParam(), false);
+  block.shake(1e-4);
+  const double dt = 0.8 * block.infill.stable_step();
+  block.advance(dt, 8);
+  const double first = block.total_energy();
+  double largest = 0;
+  for (int k = 0; k < 100; ++k) {
+    block.advance(dt, 100);
+    largest = std::max(largest, std::abs(block.total_energy() - first) / first);
+  }
+  EXPECT_LT(largest, 0.01);
+}
+
+/// Of a wave from the soft into the stiff layer and back.
+struct WaveErrors {
+  double energy = 0;    ///< largest change over the energy of the wave
+  double momentum = 0;  ///< difference of the centre of mass from uniform motion, over its way
+  double motion = 0;  ///< rms difference of positions from those with one step for all, over rms displacement
+};
+
+/// Periods are the same for any share, and so are all steps in proportion to it.
+WaveErrors errors_of_wave(test::Preset preset, double share) {
+  LayeredBlock own(8, preset, false, share), one(1, preset, false);
+  own.strike(0.01), one.strike(0.01);
+  const double speed = own.mean_speed(), dt = share * own.infill.stable_step();
+  own.advance(dt, 1);
+  const double energy = own.total_energy();
+  WaveErrors errors;
+  const int cycles = static_cast<int>(std::lround(2e-3 / dt / 8));
+  for (int k = 1; k <= cycles; ++k) {
+    own.advance(dt, 8);
+    errors.energy = std::max(errors.energy, std::abs(own.total_energy() / energy - 1));
+  }
+  const double way = speed * dt * (8 * cycles + 1);
+  errors.momentum = std::abs(own.moved() / way - 1);
+  one.advance(dt, 8 * cycles + 1);
+  const ParticleView p = own.infill.particles(), q = one.infill.particles();
+  double difference = 0, moved = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    difference += (p.position(i) - q.position(i)).squaredNorm();
+    moved += (q.position(i) - one.lattice.position[i]).squaredNorm();
+  }
+  errors.motion = std::sqrt(difference / moved);
+  return errors;
+}
+
+TEST_P(IndividualStepsOf, ErrInAWaveBySecondOrderOfTheStep) {
+  const WaveErrors coarse = errors_of_wave(GetParam(), 0.8), fine = errors_of_wave(GetParam(), 0.4);
+  EXPECT_LT(coarse.energy, 0.01);
+  EXPECT_LT(coarse.momentum, 0.01);
+  EXPECT_LT(coarse.motion, 0.01);
+  EXPECT_LT(fine.energy, 0.4 * coarse.energy);
+  EXPECT_LT(fine.momentum, 0.4 * coarse.momentum);
+  EXPECT_LT(fine.motion, 0.4 * coarse.motion);
+}
+
+void expect_same(const SphInfill& a, const SphInfill& b) {
+  const ParticleView p = a.particles(), q = b.particles();
+  EXPECT_TRUE(std::ranges::equal(p.x, q.x) && std::ranges::equal(p.y, q.y) && std::ranges::equal(p.z, q.z));
+  EXPECT_TRUE(std::ranges::equal(p.vx, q.vx) && std::ranges::equal(p.vy, q.vy) &&
+              std::ranges::equal(p.vz, q.vz));
+  const auto fields_a = a.fields(), fields_b = b.fields();
+  for (std::size_t k = 0; k < fields_a.size(); ++k)
+    EXPECT_EQ(fields_a[k].values, fields_b[k].values) << fields_a[k].name;
+  const InfillEnergy e = a.energy(), f = b.energy();
+  EXPECT_EQ(e.kinetic, f.kinetic);
+  EXPECT_EQ(e.stored, f.stored);
+  EXPECT_EQ(e.dissipated, f.dissipated);
+  EXPECT_EQ(a.stable_step(), b.stable_step());
+}
+
+TEST(IndividualSteps, WhereContactCallsForEveryStepGiveTheBitsOfOneStepForAll) {
+  LayeredBlock own(8, test::Preset::accurate, true), one(1, test::Preset::accurate, true);
+  own.infill.set_contact_rates(
+      std::vector<float>(own.lattice.position.size(), std::numeric_limits<float>::infinity()));
+  own.strike(3), one.strike(3);
+  const double dt = 0.7 * one.infill.stable_step();
+  own.advance(dt, 120), one.advance(dt, 120);
+  EXPECT_EQ(own.infill.particle_steps(), one.infill.particle_steps());
+  expect_same(own.infill, one.infill);
+}
+
+/// Struck hard enough that the list is built anew and periods change.
+void run(LayeredBlock& block, int steps) {
+  for (int k = 0; k < steps; ++k) block.infill.advance(0.7 * block.infill.stable_step(), 1, {});
+}
+
+TEST_P(IndividualStepsOf, GiveTheSameBitsOnOneAndTwoThreads) {
+  const int threads = omp_get_max_threads();
+  LayeredBlock one(8, GetParam(), true), two(8, GetParam(), true);
+  one.strike(20), two.strike(20);
+  set_threads(1);
+  run(one, 150);
+  set_threads(2);
+  run(two, 150);
+  set_threads(threads);
+  expect_same(one.infill, two.infill);
+}
+
+TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoKicks) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("tuft_own_steps_" + std::to_string(getpid()) + ".h5");
+  LayeredBlock straight(8, GetParam(), true);
+  straight.strike(20);
+  run(straight, 75);
+  {
+    h5::File out = h5::File::create_atomically(path);
+    h5::Group group = out.root().create_group("infill");
+    straight.infill.save(group);
+    out.commit();
+  }
+  LayeredBlock resumed(8, GetParam(), true);
+  resumed.infill.load(h5::File::open(path).root().open_group("infill"));
+  std::filesystem::remove(path);
+  run(straight, 130), run(resumed, 130);
+  expect_same(straight.infill, resumed.infill);
+}
+
+TEST(IndividualSteps, OfAFallingBlockAreThoseOfFreeFall) {
+  Lattice lattice = LayeredBlock::lattice_of();
+  SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
+  settings.gravity = {0, 0, -9.81};
+  SphInfill infill(lattice, LayeredBlock::materials(), settings);
+  double time = 0;
+  for (int k = 0; k < 203; ++k) {
+    const double dt = (k < 100 ? 0.7 : 0.4) * infill.stable_step();  // the step changes under way
+    infill.advance(dt, 1, {});
+    time += dt;
+  }
+  const ParticleView p = infill.particles();
+  for (std::size_t i = 0; i < p.size(); ++i)
+    EXPECT_NEAR(p.z[i] - lattice.position.z[i], -0.5 * 9.81 * time * time, 1e-3 * 9.81 * time * time) << i;
+}
+
+TEST(IndividualSteps, OtherThanPowersOfTwoUpToSixteenAreRefused) {
+  for (const int wrong : {0, 3, 32}) EXPECT_THROW(IndividualSteps(wrong, 0.8, 100), InputError) << wrong;
+}
+
+TEST(IndividualSteps, AndSleepTogetherAreRefused) {
+  SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
+  settings.sleep_tolerance = 1e-4;
+  EXPECT_THROW(SphInfill(LayeredBlock::lattice_of(), LayeredBlock::materials(), settings), InputError);
+}
+
+}  // namespace
+}  // namespace tuft::sph
