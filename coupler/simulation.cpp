@@ -369,8 +369,7 @@ void Simulation::check_candidates() {
     double speed = fastest(p.vx, p.vy, p.vz) + fastest(n.vx, n.vy, n.vz);
     for (const RigidBody& body : parts_.bodies) speed += body.velocity.norm();
     // The coming window moves everything on before the next look; twice, for what speeds up in it.
-    const int windows = parts_.infill->has_individual_steps() ? parts_.numerics.individual_steps : 1;
-    if (moved_since_search() + 2 * speed * windows * plan_.window < parts_.skin) return;
+    if (moved_since_search() + 2 * speed * plan_.window < parts_.skin) return;
   }
   remember_reference();
   search(parts_.infill->particles(), parts_.carpet->nodes());

@@ -308,6 +308,7 @@ void Runner::measure() {
     notes["mass_scaling_step_after"] = {scaling.step_after, "s"};
   }
   if (plan.carpet_subcycle > 1) notes["carpet_subcycle"] = {static_cast<double>(plan.carpet_subcycle), "1"};
+  notes["particle_steps"] = {static_cast<double>(infill.particle_steps()), "1"};
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
   if (!simulation.carpet().eroded().empty())
     notes["eroded_shells"] = {static_cast<double>(simulation.carpet().eroded_count()), "1"};

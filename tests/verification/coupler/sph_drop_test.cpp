@@ -78,6 +78,42 @@ TEST(SphDrop, GivesTheSameBitsWithOneAndTwoThreads) {
   EXPECT_EQ(history("one", "acceleration"), history("two", "acceleration"));
 }
 
+/// Without fibres, beside which every particle is kicked in every step.
+const Overrides individual_steps{
+    {"effects.fibres", "false"}, {"numerics.individual_steps", "8"}, {"scene.duration", "12 ms"}};
+
+TEST(SphDrop, WithIndividualStepsHasTheSamePeakAndBalancesForFewerParticleSteps) {
+  Overrides one_step = individual_steps;
+  one_step[1].second = "1";
+  const RunSummary own = drop("own-steps", individual_steps), one = drop("one-step", one_step);
+  const double peak = one.results.at("peak_g").value;
+  EXPECT_NEAR(own.results.at("peak_g").value, peak, 0.005 * peak);
+  EXPECT_LT(own.energy_error, 0.005);
+  EXPECT_LT(own.momentum_error, 1e-12);
+  EXPECT_LT(own.notes.at("particle_steps").value, 0.7 * one.notes.at("particle_steps").value);
+}
+
+TEST(SphDrop, WithIndividualStepsGivesTheSameBitsOnOneThreadAndResumed) {
+  const auto with = [](const char* threads) {
+    Overrides overrides = individual_steps;
+    overrides.push_back({"output.checkpoint_every", "8 ms"});
+    overrides.push_back({"numerics.threads", threads});
+    return overrides;
+  };
+  drop("own-two", with("2"));
+  drop("own-one", with("1"));
+  ASSERT_EQ(drop("own-resumed", with("2"), 2).status, "stopped");
+  RunRequest request;
+  request.scene = coarse_scene(with("2"));
+  request.folder = folder_of("own-resumed");
+  request.resume = true;
+  ASSERT_EQ(run(request).status, "completed");
+  for (const char* column : {"time", "velocity", "acceleration"}) {
+    EXPECT_EQ(history("own-two", column), history("own-one", column)) << column;
+    EXPECT_EQ(history("own-two", column), history("own-resumed", column)) << column;
+  }
+}
+
 TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
   const Overrides often{{"scene.duration", "9 ms"}, {"output.checkpoint_every", "8 ms"}};
   drop("through", often);
