@@ -20,8 +20,10 @@ namespace tuft {
 /// empty: all are kicked in every window, for as long as it is.
 struct ParticleKicks {
   std::size_t group = 1;
-  std::span<const double> since;   ///< s since the last kick
-  std::span<const double> length;  ///< s that the coming window's kick lasts; 0: it has none
+  std::span<const double> since;  ///< s since the last kick
+  /// s that the coming window's kick lasts; 0: it has none. Below 0 where a period has become shorter and the
+  /// last kick went too far ahead.
+  std::span<const double> length;
 
   [[nodiscard]] bool empty() const { return length.empty(); }
 };

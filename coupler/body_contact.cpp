@@ -90,8 +90,10 @@ BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const Pa
                                                       const std::vector<RigidBody>& bodies, double dt,
                                                       double release, double release_before) {
   const std::size_t entry = static_cast<std::size_t>(key_point(keys_[pair])) / points.kicks.group;
-  const double length = points.kicks.length[entry], since = points.kicks.since[entry];
-  if (!(length > 0)) {
+  const double length = points.kicks.length[entry];
+  // At the start of a run there was none.
+  const double since = points.kicks.since[entry] > 0 ? points.kicks.since[entry] : dt;
+  if (length == 0) {
     Result result = results_[pair];
     result.dt = result.weight = result.released = 0;
     result.contact.damped = result.contact.friction = 0;

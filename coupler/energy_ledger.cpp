@@ -15,10 +15,7 @@ void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::strin
       throw_run_error("energy term {} is not finite at t = {:.6g} s; {}; reduce numerics.step_safety",
                       EnergyTerms::names[i], time, fastest);
   }
-  if (!started_) {
-    reference_ = terms.balance();
-    started_ = true;
-  }
+  if (entries_++ == 0) reference_ = terms.balance();
   scale_ = std::max(scale_, terms.kinetic_carpet + terms.kinetic_infill + terms.kinetic_bodies +
                                 terms.strain_carpet + terms.stored_infill + terms.contact_elastic);
   const auto before = last_.values();
@@ -40,7 +37,7 @@ void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::strin
 void EnergyLedger::save(h5::Group& group) const {
   const auto values = last_.values();
   group.write("last", std::span<const double>(values));
-  const std::vector<double> state{scale_, reference_, error_, largest_error_, started_ ? 1.0 : 0.0};
+  const std::vector<double> state{scale_, reference_, error_, largest_error_, static_cast<double>(entries_)};
   group.write("state", std::span<const double>(state));
 }
 
@@ -53,7 +50,7 @@ void EnergyLedger::load(const h5::Group& group) {
   reference_ = s.at(1);
   error_ = s.at(2);
   largest_error_ = s.at(3);
-  started_ = s.at(4) != 0;
+  entries_ = static_cast<std::uint64_t>(s.at(4));
 }
 
 }  // namespace tuft::coupler

@@ -2,6 +2,7 @@
 /// The energy balance of a run: what went in must be stored, moving, or accounted for as lost.
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -66,13 +67,14 @@ class EnergyLedger {
     return largest_error_;
   }  ///< relative, absolute value, over the run
   [[nodiscard]] const EnergyTerms& last() const { return last_; }
+  [[nodiscard]] std::uint64_t entries() const { return entries_; }
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);
 
  private:
   double limit_, scale_;
-  bool started_ = false;
+  std::uint64_t entries_ = 0;  ///< the first is the reference
   double reference_ = 0, error_ = 0, largest_error_ = 0;
   EnergyTerms last_;
 };

@@ -89,18 +89,19 @@ Recorder Recorder::create(const std::filesystem::path& path, const Simulation& s
                           const std::vector<RecordedColumn>& finished) {
   return {RecordFile::create(path, declare_channels(simulation, columns, finished),
                              [&](h5::Group& root) { write_static(root, simulation, scene_text, version); }),
-          columns};
+          columns, simulation};
 }
 
-Recorder Recorder::reopen(const std::filesystem::path& path, const Simulation&,
+Recorder Recorder::reopen(const std::filesystem::path& path, const Simulation& simulation,
                           const std::map<std::string, std::uint64_t>& rows,
                           const std::vector<RecordedColumn>& columns) {
-  return {RecordFile::reopen(path, rows), columns};
+  return {RecordFile::reopen(path, rows), columns, simulation};
 }
 
 void Recorder::record_history(double time, const std::vector<double>& row, const EnergyLedger& ledger) {
   file_.append("/history/time", time);
   for (std::size_t c = 0; c < columns_.size(); ++c) file_.append("/history/" + columns_[c].name, row.at(c));
+  if (std::exchange(entries_, ledger.entries()) == ledger.entries()) return;
   file_.append("/energy/time", time);
   const auto values = ledger.last().values();
   for (std::size_t i = 0; i < values.size(); ++i)

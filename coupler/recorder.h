@@ -28,7 +28,7 @@ class Recorder {
                          const std::map<std::string, std::uint64_t>& rows,
                          const std::vector<RecordedColumn>& columns);
 
-  /// One history and energy row. time: s since release.
+  /// One history row, and one of energies where the ledger has entered the moment. time: s since release.
   void record_history(double time, const std::vector<double>& row, const EnergyLedger& ledger);
   void record_frame(double time, const Simulation& simulation);
   void record_cost(double time, const std::map<std::string, double>& cost);
@@ -40,10 +40,11 @@ class Recorder {
   [[nodiscard]] std::map<std::string, std::uint64_t> rows() const { return file_.rows(); }
 
  private:
-  Recorder(RecordFile file, std::vector<RecordedColumn> columns)
-      : file_(std::move(file)), columns_(std::move(columns)) {}
+  Recorder(RecordFile file, std::vector<RecordedColumn> columns, const Simulation& simulation)
+      : file_(std::move(file)), columns_(std::move(columns)), entries_(simulation.ledger().entries()) {}
   RecordFile file_;
   std::vector<RecordedColumn> columns_;
+  std::uint64_t entries_;  ///< of the ledger, at the last row
   std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
 };
 

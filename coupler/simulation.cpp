@@ -133,9 +133,11 @@ void Simulation::advance_interval(double interval) {
   time_ = start + interval;
   const ScopedPhase phase(timers_, Phase::ledger);
   if (!parts_.infill->energy_is_current()) return;
+  carpet_balance_ = carpet_balance();
+  infill_balance_ = infill_balance();
   if (!referenced_) {
-    carpet_reference_ = carpet_balance();
-    infill_reference_ = infill_balance();
+    carpet_reference_ = carpet_balance_;
+    infill_reference_ = infill_balance_;
     referenced_ = true;
   }
   ledger_.enter(time_, energy_terms(), describe_fastest());
@@ -178,7 +180,7 @@ void Simulation::advance_window(bool last) {
   zero(impulses_.angular);
   std::fill(body_impulses_.impulse.begin(), body_impulses_.impulse.end(), Vec3::Zero());
   if (const std::uint64_t before = searches_; check_candidates(), searches_ != before)
-    tell_contact_rates(plan_.window);
+    tell_contact_rates(plan_.windows * plan_.window);
   {
     const ScopedPhase phase(timers_, Phase::infill);
     parts_.infill->begin_window(plan_.window, plan_.infill_substeps, last);
@@ -195,6 +197,8 @@ void Simulation::advance_window(bool last) {
   }
   Vec3 extra(0, 0, 0);
   if (infill_acceleration_.squaredNorm() > 0) {
+    if (parts_.infill->has_individual_steps())
+      throw_run_error("extra acceleration is given in every window, but particles take steps of their own");
     const Vec3 velocity_change = infill_acceleration_ * plan_.window;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       impulses_.linear.add(i, particles.mass[i] * velocity_change);

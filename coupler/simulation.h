@@ -153,6 +153,7 @@ class Simulation {
   double carpet_reference_ = 0,
          infill_reference_ = 0;  ///< J, own energies less own work, at the first ledger entry
   bool referenced_ = false;
+  double carpet_balance_ = 0, infill_balance_ = 0;  ///< J, the same at the last entry
   double body_kinetic_ = 0, body_potential_ = 0, external_work_ = 0;
   double body_damping_ = 0;                            ///< J, in guides of bodies
   double pending_external_ = 0, pending_damping_ = 0;  ///< J, parts of a kick behind the moment of its force

@@ -75,8 +75,8 @@ double Simulation::infill_balance() const {
 
 Simulation::Residuals Simulation::residuals() const {
   Residuals r;
-  r.carpet = carpet_balance() - carpet_reference_;
-  r.infill = infill_balance() - infill_reference_;
+  r.carpet = carpet_balance_ - carpet_reference_;
+  r.infill = infill_balance_ - infill_reference_;
   r.contact_and_bodies = ledger_.imbalance() - r.carpet - r.infill;
   return r;
 }
@@ -123,7 +123,9 @@ void Simulation::save(h5::Group& group) {
                                     double(plan_.windows),
                                     double(plan_.carpet_substeps),
                                     double(plan_.infill_substeps),
-                                    double(plan_.carpet_subcycle)};
+                                    double(plan_.carpet_subcycle),
+                                    carpet_balance_,
+                                    infill_balance_};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("windows", windows_);
   group.write_scalar("searches", searches_);
@@ -182,6 +184,8 @@ void Simulation::load(const h5::Group& group) {
   pending_damping_ = numbers.at(13);
   const auto count = [&](std::size_t k) { return static_cast<int>(numbers.at(k)); };
   plan_ = {count(15), count(16), count(17), numbers.at(14), count(18)};
+  carpet_balance_ = numbers.at(19);
+  infill_balance_ = numbers.at(20);
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");

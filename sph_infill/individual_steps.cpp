@@ -36,8 +36,8 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list,
   return smallest;
 }
 
-/// Inverse of the shortest stable step of the particles of a group and of all within their support, 1/s.
-float rate_around(double support, const NeighbourList& list, const Particles& p, std::size_t group) {
+/// Inverse of the shortest stable step of the particles of a group and of all within reach, 1/s.
+float rate_around(double reach, const NeighbourList& list, const Particles& p, std::size_t group) {
   const auto own_index = indices_of_group(group, p.size());
   const auto of = [](const std::vector<double>& values, const Index* index) {
     return Pack([&](std::size_t l) { return values[static_cast<std::size_t>(index[l])]; });
@@ -53,7 +53,7 @@ float rate_around(double support, const NeighbourList& list, const Particles& p,
     const Index* index = rows.first + k * lanes;
     const Pack dx = xi - of(p.position.x, index), dy = yi - of(p.position.y, index),
                dz = zi - of(p.position.z, index);
-    const PackMask near = dx * dx + dy * dy + dz * dz < support * support;
+    const PackMask near = dx * dx + dy * dy + dz * dz < reach * reach;
     shortest =
         stdx::min(shortest, select(near, step_of(index), Pack(std::numeric_limits<double>::infinity())));
   }
@@ -68,8 +68,9 @@ IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particl
     throw_input_error("numerics.individual_steps is {}; it must be 1, 2, 4, 8 or {}", largest, most);
   if (!enabled()) return;
   const std::size_t count = (particles + lanes - 1) / lanes;
-  for (auto* values : {&period_, &kick_period_, &pace_, &record_pace_}) values->assign(count, 1);
-  due_.assign(count, recorded | strained | kicked);
+  for (auto* values : {&period_, &kick_period_, &pace_}) values->assign(count, 1);
+  steps_since_kick_.assign(count, 0);
+  due_.assign(count, strained | kicked);
   for (auto* values : {&own_rate_, &rate_, &contact_rate_}) values->assign(count, 0);
   for (auto* values : {&since_kick_, &planned_, &since_strain_, &kick_length_}) values->assign(count, 0);
 }
@@ -88,15 +89,24 @@ void IndividualSteps::set_contact_rates(std::span<const float> rates) {
   }
 }
 
-void IndividualSteps::choose(double support, const NeighbourList& list, const Particles& p, double dt) {
+void IndividualSteps::choose(double reach, const NeighbourList& list, const Particles& p, double dt) {
   parallel_for(groups(), [&](std::size_t g) {
-    rate_[g] = rate_around(support, list, p, g);
+    rate_[g] = rate_around(reach, list, p, g);
     period_[g] = longest_period(g, dt);
   });
   limit_ratios(list);
   keep_pace(list);
   cycle_ = *std::max_element(period_.begin(), period_.end());
   since_chosen_ = 0;
+}
+
+void IndividualSteps::look_around(const NeighbourList& list, const Particles& p, double reach, double dt) {
+  parallel_for(groups(), [&](std::size_t g) {
+    rate_[g] = std::max(rate_[g], rate_around(reach, list, p, g));
+    period_[g] = std::min(period_[g], longest_period(g, dt));
+  });
+  limit_ratios(list);
+  keep_pace(list);
 }
 
 std::uint8_t IndividualSteps::longest_period(std::size_t group, double dt) const {
@@ -122,38 +132,23 @@ void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, dou
       if ((p.position[i] - p.position[j]).squaredNorm() < reach * reach) visit(j / lanes);
     }
   };
-  shortened_.clear(), paced_.clear();
-  const auto is_too_long = [&](std::size_t g, double rate) {
-    return !(period_[g] * dt * rate <= most_of_step);
-  };
-  for (std::size_t g = 0; g < groups(); ++g) {
-    if (period_[g] == 1) continue;
-    if (is_too_long(g, own_rate_[g])) paced_.push_back(g);
-  }
-  for (const std::size_t g : paced_) {
-    rate_[g] = std::max(rate_[g], own_rate_[g]);
-    for_near(g, [&](std::size_t other) { rate_[other] = std::max(rate_[other], own_rate_[g]); });
+  shortened_.clear(), stiffened_.clear();
+  // What has stiffened bounds all that it reaches, be its own period 1.
+  for (std::size_t g = 0; g < groups(); ++g)
+    if (own_rate_[g] > growth_noted * rate_[g]) stiffened_.push_back(g);
+  for (const std::size_t g : stiffened_) {
+    const auto raise = [&](std::size_t other) { rate_[other] = std::max(rate_[other], own_rate_[g]); };
+    raise(g);
+    for_near(g, raise);
   }
   for (std::size_t g = 0; g < groups(); ++g)
-    if (period_[g] > 1 && is_too_long(g, std::hypot(rate_[g], contact_rate_[g])))
+    if (period_[g] > 1 && !(period_[g] * dt * std::hypot(rate_[g], contact_rate_[g]) <= most_of_step))
       shorten_to(g, longest_period(g, dt));
   for (std::size_t k = 0; k < shortened_.size(); ++k)  // it grows
     for_near(shortened_[k],
              [&](std::size_t other) { shorten_to(other, largest_ratio * period_[shortened_[k]]); });
-  paced_.clear();
   for (const std::size_t g : shortened_) {
-    const auto lower_pace = [&](std::size_t other) {
-      if (pace_[other] <= period_[g]) return;
-      pace_[other] = period_[g];
-      paced_.push_back(other);
-    };
-    lower_pace(g);
-    for_near(g, lower_pace);
-  }
-  for (const std::size_t g : paced_) {
-    const auto lower = [&](std::size_t other) {
-      record_pace_[other] = std::min(record_pace_[other], pace_[g]);
-    };
+    const auto lower = [&](std::size_t other) { pace_[other] = std::min(pace_[other], period_[g]); };
     lower(g);
     for_near(g, lower);
   }
@@ -167,20 +162,23 @@ void IndividualSteps::limit_ratios(const NeighbourList& list) {
 }
 
 void IndividualSteps::take_every_step() {
-  for (auto* values : {&period_, &pace_, &record_pace_}) std::fill(values->begin(), values->end(), 1);
+  for (auto* values : {&period_, &pace_}) std::fill(values->begin(), values->end(), 1);
   cycle_ = 1;
   since_chosen_ = chosen_every;
 }
 
 void IndividualSteps::keep_pace(const NeighbourList& list) {
   pace_ = smallest_around(list, period_);
-  record_pace_ = smallest_around(list, pace_);
 }
 
 void IndividualSteps::plan_kick(std::size_t group, double dt, bool as_begun) {
   const double next = period_[group] * dt;
-  const bool same = planned_[group] > 0 && kick_period_[group] == period_[group];
-  kick_length_[group] = as_begun && same ? next : velocity_lag(group) + 0.5 * next;
+  const bool regular = planned_[group] > 0 && kick_period_[group] == period_[group] &&
+                       steps_since_kick_[group] == period_[group];
+  double length = as_begun && regular ? next : velocity_lag(group) + 0.5 * next;
+  // 0 would say that there is none.
+  if (std::abs(length) < 1e-9 * dt) length = 1e-9 * dt;
+  kick_length_[group] = length;
 }
 
 void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
@@ -192,8 +190,7 @@ void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
   for (std::size_t g = 0; g < groups(); ++g) {
     const auto is_due = [&](std::uint8_t pace) { return in_step_ || phase_ % pace == 0; };
     due_[g] =
-        static_cast<std::uint8_t>((is_due(record_pace_[g]) ? recorded : 0) |
-                                  (is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));
+        static_cast<std::uint8_t>((is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));
     if (is_kicked(g)) {
       plan_kick(g, dt, as_begun);
       kicked_particles_ += std::min(particles_, (g + 1) * lanes) - g * lanes;
@@ -209,11 +206,13 @@ void IndividualSteps::end(double dt) {
     if (is_strained(g)) since_strain_[g] = 0;
     if (is_kicked(g)) {
       since_kick_[g] = 0;
+      steps_since_kick_[g] = 0;
       planned_[g] = period_[g] * dt;
       kick_period_[g] = period_[g];
     }
     since_strain_[g] += dt;
     since_kick_[g] += dt;
+    ++steps_since_kick_[g];
   }
   phase_ = (phase_ + 1) % most;
   ++since_chosen_;
@@ -225,7 +224,7 @@ void IndividualSteps::save(h5::Group& group) const {
     group.write(name, std::vector<double>(values.begin(), values.end()));
   };
   write("steps_period", period_), write("steps_kick_period", kick_period_);
-  write("steps_pace", pace_), write("steps_record_pace", record_pace_);
+  write("steps_pace", pace_), write("steps_since_kick_count", steps_since_kick_);
   write("steps_own_rate", own_rate_);
   write("steps_rate", rate_), write("steps_contact_rate", contact_rate_);
   write("steps_since_kick", since_kick_), write("steps_planned", planned_);
@@ -248,7 +247,7 @@ void IndividualSteps::load(const h5::Group& group) {
                    [](double v) { return static_cast<Value>(v); });
   };
   read("steps_period", period_), read("steps_kick_period", kick_period_);
-  read("steps_pace", pace_), read("steps_record_pace", record_pace_);
+  read("steps_pace", pace_), read("steps_since_kick_count", steps_since_kick_);
   read("steps_own_rate", own_rate_);
   read("steps_rate", rate_), read("steps_contact_rate", contact_rate_);
   read("steps_since_kick", since_kick_), read("steps_planned", planned_);

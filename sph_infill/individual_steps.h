@@ -45,21 +45,21 @@ class IndividualSteps {
 
   /// Whether periods are to be chosen anew before the coming step: now and then, where all are kicked.
   [[nodiscard]] bool to_be_chosen() const { return phase_ % cycle_ == 0 && since_chosen_ >= chosen_every; }
-  /// support: m. list: built for the present positions.
-  void choose(double support, const NeighbourList& list, const Particles& particles, double dt);
+  /// reach: m, as for `shorten`. list: built for the present positions.
+  void choose(double reach, const NeighbourList& list, const Particles& particles, double dt);
   /// Shortens periods that have become too long for dt, and what depends on them. reach: m, of all that may
   /// come within the support before the list is built anew.
   void shorten(const NeighbourList& list, const Particles& particles, double reach, double dt);
   /// All take every step, until periods are chosen.
   void take_every_step();
-  /// After a build of the list: what groups have to keep pace with.
-  void keep_pace(const NeighbourList& list);
+  /// After a build of the list, for what has come within reach: shortens periods, and finds what groups have
+  /// to keep pace with.
+  void look_around(const NeighbourList& list, const Particles& particles, double reach, double dt);
 
   /// Says what the coming step of dt does. energy_wanted: whether energies of its start are of use, see
   /// `is_in_step`. as_begun: KickLength::step_begun.
   void begin(double dt, bool energy_wanted, bool as_begun);
   /// Of the step begun.
-  [[nodiscard]] bool is_recorded(std::size_t group) const { return (due_[group] & recorded) != 0; }
   [[nodiscard]] bool is_strained(std::size_t group) const { return (due_[group] & strained) != 0; }
   [[nodiscard]] bool is_kicked(std::size_t group) const { return (due_[group] & kicked) != 0; }
   [[nodiscard]] double since_strain(std::size_t group) const { return since_strain_[group]; }
@@ -83,14 +83,15 @@ class IndividualSteps {
   void load(const h5::Group& group);
 
  private:
-  static constexpr std::uint8_t recorded = 1, strained = 2, kicked = 4;
-  /// Of the stable step; a period beyond it is shortened.
-  static constexpr double most_of_step = 0.9;
+  static constexpr std::uint8_t strained = 1, kicked = 2;
+  /// Of the stable step; a period beyond it is shortened. Stable steps are known to that factor.
+  static constexpr double most_of_step = 0.9, growth_noted = 1.05;
   /// Steps after which they are chosen anew.
   static constexpr std::uint32_t chosen_every = 64;
 
   [[nodiscard]] std::size_t groups() const { return period_.size(); }
   void limit_ratios(const NeighbourList& list);
+  void keep_pace(const NeighbourList& list);
   [[nodiscard]] std::uint8_t longest_period(std::size_t group, double dt) const;
   /// Shortens a group's period if that is too long, and notes it in `shortened_`.
   void shorten_to(std::size_t group, int period);
@@ -100,10 +101,11 @@ class IndividualSteps {
   double safety_ = 1;
   std::size_t particles_ = 0;
   std::vector<std::uint8_t> period_, kick_period_;  ///< steps; as chosen, and at the last kick
-  std::vector<std::uint8_t> pace_, record_pace_;    ///< steps between strains, and records
+  std::vector<std::uint8_t> steps_since_kick_;
+  std::vector<std::uint8_t> pace_;  ///< steps between strains
   std::vector<std::uint8_t> due_;
   std::vector<float> own_rate_, rate_, contact_rate_;  ///< 1/s; inverse stable step of each, of all around
-  std::vector<std::size_t> shortened_, paced_;         ///< scratch of `shorten`
+  std::vector<std::size_t> shortened_, stiffened_;     ///< scratch of `shorten`
   std::vector<double> since_kick_, planned_, since_strain_, kick_length_;  ///< s
   std::uint32_t phase_ = 0, cycle_ = 1, since_chosen_ = chosen_every, since_wanted_ = 0;
   bool in_step_ = true;

@@ -159,14 +159,11 @@ void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis
   store_lanes(after, axis_of(p.velocity, axis), i, count);
 
   const Pack mean = 0.5 * (before + after);
-  // Of the change of velocity, for a step dt_before as long. (A group whose period has become shorter may
-  // have been kicked too far ahead already.)
-  const double share_before = t > 0 ? std::clamp(kick.step_before / t, -2.0, 2.0) : 1;
   const auto add_work = [&](PackSums::Work& work, const Pack& given) {
-    work.until_now += only(0.5 * share_before * given * before, count);
+    work.until_now += only(0.5 * kick.share_before * given * before, count);
     work.whole += only(given * mean, count);
   };
-  total.kinetic += only(0.5 * mass * before * (before + share_before * (after - before)), count);
+  total.kinetic += only(0.5 * mass * before * (before + kick.share_before * (after - before)), count);
   total.gravity_potential -= only(mass * gravity * of(axis_of(p.position, axis)), count);
   if constexpr (Chosen::dissipative) add_work(total.viscous, -t * viscous_force);
   add_work(total.damping, kick.damping * t * mass * mean);
@@ -189,8 +186,8 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
     Kick kick = of_step;
     if (steps) {
       if (!steps->is_kicked(i / lanes)) continue;
-      kick.step_before = 2 * steps->velocity_lag(i / lanes);
       kick.duration = steps->kick_length(i / lanes);
+      kick.share_before = 2 * steps->velocity_lag(i / lanes) / kick.duration;
     }
     const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
     Motion motion;
@@ -287,7 +284,7 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
 }
 
 DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
-                 std::vector<DriftCheck>& blocks, const Sleep* sleep, bool renew) {
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep) {
   if (sleep)
     std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true, false});
   for_blocks(p.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
@@ -308,8 +305,7 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
       // 0 unless a velocity or a position is not finite.
       finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
-    if (renew)
-      for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
+    for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
     blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
   });
   DriftCheck check;
@@ -320,14 +316,6 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
     check.outside = check.outside || block.outside;
   }
   return check;
-}
-
-void renew_records(const IndividualSteps& steps, Particles& p) {
-  for_blocks(p.size(), nullptr, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += lanes)
-      if (steps.is_recorded(i / lanes))
-        for (std::size_t k = i; k < std::min(end, i + lanes); ++k) p.record_motion(k);
-  });
 }
 
 }  // namespace tuft::sph

@@ -119,7 +119,7 @@ void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start)
   took_over = true;
   p.position = bed.position;
   p.velocity = bed.velocity;
-  energy = bed.energy;
+  energy = energy_in_step = bed.energy;
   time = bed.time;
   damping = bed.damping;
   for (std::size_t i = 0; i < n; ++i) {
@@ -172,7 +172,7 @@ ParticleView SphInfill::particles() const {
           p.layer,
           p.material,
           impl_->expelled_mask,
-          impl_->begun ? impl_->steps.kicks() : ParticleKicks{}};
+          impl_->own_kicks ? impl_->steps.kicks() : ParticleKicks{}};
 }
 
 void SphInfill::begin_window(double window, int substeps, bool energy_wanted) {
@@ -262,10 +262,7 @@ AdvanceReport SphInfill::advance(double window, int substeps, const ContactImpul
 KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
   const Sleep* sleeping = sleep.enabled() ? &sleep : nullptr;
   IndividualSteps* individual = steps.enabled() ? &steps : nullptr;
-  if (individual)
-    renew_records(steps, particles);
-  else
-    prepare(impulse, dt / impulse_share);
+  if (!individual) prepare(impulse, dt / impulse_share);
 
   const StressSums stress = update_stress(settings, list, individual ? dt : step_before, particles,
                                           stress_blocks, sleeping, individual);
@@ -273,14 +270,14 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   stable_step = stress.stable_step;
 
   const bool as_begun = kick_length == KickLength::step_begun && step_before > 0;
-  const Kick now{step_before,  as_begun ? dt : 0.5 * (step_before + dt), gravity, damping, impulse,
-                 impulse_share};
+  const double duration = as_begun ? dt : 0.5 * (step_before + dt);
+  const Kick now{std::min(2.0, step_before / duration), duration, gravity, damping, impulse, impulse_share};
   const KickSums kicked = kick(settings, list, now, particles, kick_blocks, sleeping, individual);
   record_energy(stress, kicked);
 
   // What has been expelled stays where it left.
   for (const Index i : expelled_index) particles.velocity.set(static_cast<std::size_t>(i), Vec3::Zero());
-  const DriftCheck moved = drift(dt, frame, box, particles, drift_blocks, sleeping, individual == nullptr);
+  const DriftCheck moved = drift(dt, frame, box, particles, drift_blocks, sleeping);
   if (!moved.valid) report_invalid_motion();
   displacement += dt * std::sqrt(moved.largest_speed_squared);
   frame = moved.velocity_sum / static_cast<double>(particles.size());
@@ -288,7 +285,7 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   step_before = dt;
   particle_steps += individual ? steps.kicked_particles() : sleep.computed_particles();
   if (sleeping) sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; });
-  if (individual) steps.end(dt), begun = false;
+  if (individual) steps.end(dt), begun = own_kicks = false;
   if (moved.outside) expel(dt);
   return kicked;
 }
@@ -301,16 +298,17 @@ void SphInfill::Impl::begin_steps(double dt, int substeps, bool energy_wanted) {
     // A list just built, so that a resumed run chooses alike.
     list.build(particles.position);
     displacement = 0;
-    if (choose) {
-      steps.choose(2 * settings.options.smoothing_length, list, particles, dt);
-    } else {
-      steps.keep_pace(list);
-    }
   }
-  const double still_allowed = list.allowed_displacement() - displacement;
-  steps.shorten(list, particles, 2 * (settings.options.smoothing_length + still_allowed), dt);
+  // Of all that may come within the support before the list is built anew.
+  const double reach = 2 * (settings.options.smoothing_length + list.allowed_displacement() - displacement);
+  if (choose)
+    steps.choose(reach, list, particles, dt);
+  else if (stale)
+    steps.look_around(list, particles, reach, dt);
+  steps.shorten(list, particles, reach, dt);
   steps.begin(dt, energy_wanted, kick_length == KickLength::step_begun);
   begun = true;
+  own_kicks = substeps == 1;
 }
 
 /// Energies of t_k: the kick's part before that moment counts, the rest is kept for the next.

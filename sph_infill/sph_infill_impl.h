@@ -14,7 +14,8 @@ struct SphInfill::Impl {
   NeighbourList list;
   Sleep sleep;
   IndividualSteps steps;
-  bool begun = false;  ///< the coming window is announced
+  bool begun = false;      ///< the coming window is announced
+  bool own_kicks = false;  ///< and has particles kicked at times of their own
   TurfBox box;
   KickLength kick_length = KickLength::mean_of_steps;
 

@@ -80,7 +80,8 @@ StressSums update_stress(const LoopSettings& settings, const NeighbourList& list
 /// One kick about t_k: from half a step before to half a step after, or as long as SphSettings::kick_length
 /// wants it where steps change.
 struct Kick {
-  double step_before = 0;              ///< s, the drift that led to t_k: twice what velocities lag behind it
+  /// Of the change of velocity, doubled: what belongs before t_k. 1 where all steps are the same.
+  double share_before = 1;
   double duration = 0;                 ///< s
   Vec3 gravity{0, 0, 0};               ///< m/s^2
   double damping = 0;                  ///< 1/s
@@ -133,12 +134,9 @@ struct DriftCheck {
 
 struct TurfBox;
 
-/// Moves positions by dt and renews the records of motion, unless steps are individual: then
-/// `renew_records` does. frame: m/s, speeds are measured relative to it.
+/// Moves positions by dt and renews the records of motion. frame: m/s, speeds are measured relative to it.
 DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& particles,
-                 std::vector<DriftCheck>& blocks, const Sleep* sleep = nullptr, bool renew = true);
-/// Of the groups that are due in the step begun.
-void renew_records(const IndividualSteps& steps, Particles& particles);
+                 std::vector<DriftCheck>& blocks, const Sleep* sleep = nullptr);
 
 /// Pass 1's first half for one particle: moment matrix and sums before correction (for tests too).
 struct GradientSums {

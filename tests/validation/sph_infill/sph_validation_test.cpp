@@ -13,13 +13,14 @@ namespace {
 
 constexpr double thirty_degrees = 0.5774;
 
-double run_out(double aspect, int particles, double friction, bool axisymmetric) {
+double run_out(double aspect, int particles, double friction, bool axisymmetric,
+               const Numerics& numerics = {}) {
   CollapseCase c;
   c.aspect = aspect;
   c.particles = particles;
   c.friction = friction;
   c.axisymmetric = axisymmetric;
-  const CollapseResult r = column_collapse({}, c);
+  const CollapseResult r = column_collapse(numerics, c);
   std::printf("%s a = %g, L0 of %d particles, friction %.2f: run-out %.3f, energy error %.1e\n",
               axisymmetric ? "axisymmetric" : "plane", aspect, particles, friction, r.run_out,
               r.energy_error);
@@ -30,17 +31,32 @@ double run_out(double aspect, int particles, double friction, bool axisymmetric)
 }
 
 class Column : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Aspects, Column, testing::Values(0.5, 1.0, 2.0, 4.0));
+INSTANTIATE_TEST_SUITE_P(Aspects, Column, testing::Values(1.0, 2.0, 4.0));
 
-/// The flattest column ends a fifth short of the band at every pitch (docs/verification/sph.md).
 TEST_P(Column, PlaneRunsOutWithinThePublishedBandAndWithFrictionTwoOutsideIt) {
   const RunOutLaws band = published_run_out(false, GetParam());
   const double measured = run_out(GetParam(), 20, thirty_degrees, false);
-  EXPECT_GT(measured, (GetParam() < 1 ? 0.75 : 1) * band.low);
+  EXPECT_GT(measured, band.low);
   EXPECT_LT(measured, band.high);
   const double control = run_out(GetParam(), 12, 2.0, false);
   EXPECT_LT(control, 0.8 * band.low);
   EXPECT_LT(control, measured);
+}
+
+/// Slumping to the angle phi without inertia, a flat column runs out by a/(2 tan phi): 0.62 at the 22 degrees
+/// of glass beads, 0.43 at 30. The band (0.60 to 0.90) is out of reach of 30 degrees
+/// (docs/verification/sph.md).
+TEST(FlatColumn, RunsOutWithinThePublishedBandAtTheFrictionOfGlassBeadsAndShortOfItAtThirtyDegrees) {
+  const double aspect = 0.5, twenty_two_degrees = 0.4040;
+  const RunOutLaws band = published_run_out(false, aspect);
+  const Numerics thin{Preset::accurate, 0.1, 0.05};
+  const double beads = run_out(aspect, 20, twenty_two_degrees, false, thin);
+  EXPECT_GT(beads, band.low);
+  EXPECT_LT(beads, band.high);
+  const double sand = run_out(aspect, 20, thirty_degrees, false, thin);
+  EXPECT_GT(sand, aspect / (2 * thirty_degrees));
+  EXPECT_LT(sand, band.low);
+  EXPECT_LT(run_out(aspect, 12, 2.0, false), 0.8 * band.low);
 }
 
 class RoundColumn : public testing::TestWithParam<double> {};

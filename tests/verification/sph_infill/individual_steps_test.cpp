@@ -237,6 +237,40 @@ TEST(IndividualSteps, OfAFallingBlockAreThoseOfFreeFall) {
     EXPECT_NEAR(p.z[i] - lattice.position.z[i], -0.5 * 9.81 * time * time, 1e-3 * 9.81 * time * time) << i;
 }
 
+TEST(IndividualSteps, FallAsFarWhereKicksAreCutShortToHaveEnergiesOfOneMoment) {
+  SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
+  settings.gravity = {0, 0, -9.81};
+  settings.kick_length = KickLength::step_begun;
+  const Lattice lattice = LayeredBlock::lattice_of();
+  SphInfill infill(lattice, LayeredBlock::materials(), settings);
+  const double dt = 0.7 * infill.stable_step();
+  const int steps = 800;
+  int current = 0;
+  for (int k = 1; k <= steps; ++k) {
+    const bool wanted = k % 25 == 0;  // meets no multiple of 8 before 200 steps are over
+    infill.begin_window(dt, 1, wanted);
+    infill.advance(dt, 1, {});
+    if (wanted && infill.energy_is_current()) ++current;
+  }
+  EXPECT_GE(current, 8);
+  const double time = steps * dt, fallen = 0.5 * 9.81 * time * time;
+  const ParticleView p = infill.particles();
+  for (std::size_t i = 0; i < p.size(); ++i)
+    EXPECT_NEAR(lattice.position.z[i] - p.z[i], fallen, 0.005 * fallen) << i;
+}
+
+TEST(IndividualSteps, AreNotTakenWithinAWindowOfSeveral) {
+  LayeredBlock block(8, test::Preset::accurate, true);
+  block.strike(3);
+  const double dt = 0.7 * block.infill.stable_step();
+  block.advance(dt, 20);
+  block.infill.begin_window(4 * dt, 4, true);
+  EXPECT_TRUE(block.infill.particles().kicks.empty()) << "contact's impulse is of the whole window";
+  const std::uint64_t before = block.infill.particle_steps();
+  block.infill.advance(4 * dt, 4, {});
+  EXPECT_EQ(block.infill.particle_steps() - before, 4 * block.lattice.position.size());
+}
+
 TEST(IndividualSteps, OtherThanPowersOfTwoUpToSixteenAreRefused) {
   for (const int wrong : {0, 3, 32}) EXPECT_THROW(IndividualSteps(wrong, 0.8, 100), InputError) << wrong;
 }
