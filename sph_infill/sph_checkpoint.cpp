@@ -63,13 +63,20 @@ std::vector<double> read_array(const h5::Group& group, const std::string& name, 
 /// Records of floats as plain values, and back.
 template <class Record>
 std::vector<double> values_of(const std::vector<Record>& records) {
-  const auto* first = reinterpret_cast<const float*>(records.data());
-  return {first, first + records.size() * Record::values};
+  std::vector<double> values;
+  for (const Record& record : records) {
+    const auto* first = reinterpret_cast<const float*>(&record);
+    values.insert(values.end(), first, first + Record::values);
+  }
+  return values;
 }
 template <class Record>
 void set_values(const std::vector<double>& values, std::vector<Record>& records) {
-  auto* first = reinterpret_cast<float*>(records.data());
-  std::transform(values.begin(), values.end(), first, [](double v) { return static_cast<float>(v); });
+  auto value = values.begin();
+  for (Record& record : records) {
+    auto* first = reinterpret_cast<float*>(&record);
+    for (std::size_t k = 0; k < Record::values; ++k) first[k] = static_cast<float>(*value++);
+  }
 }
 
 }  // namespace

@@ -208,7 +208,9 @@ TEST_P(SphBlow, AFreeBlockOnAFloorStandsByItsCohesionAndSlumpsWithoutIt) {
       EXPECT_GT(moved, pitch);
       EXPECT_LT(moved, width * pitch);
     }
-    EXPECT_LT(infill.energy().kinetic, 5e-3 * potential);
+    // What a slumped heap still creeps with hangs on rounding: between 0.12 % and 0.70 % over 64 runs from
+    // positions moved by less than 1e-12 m.
+    EXPECT_LT(infill.energy().kinetic, 1e-2 * potential);
     EXPECT_LT(ledger.worst, 1e-3 * potential);
   }
 }
