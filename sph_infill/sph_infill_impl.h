@@ -11,6 +11,7 @@ struct SphInfill::Impl {
   Vec3 gravity{0, 0, 0};
   Particles particles;
   NeighbourList list;
+  double pitch = 0;  ///< m, of the lattice
   Sleep sleep;
   TurfBox box;
   KickLength kick_length = KickLength::mean_of_steps;
@@ -21,7 +22,8 @@ struct SphInfill::Impl {
   double stable_step = 0;  ///< s, as of the last stress evaluation
   /// No particle has moved farther since the list was built, relative to the frame common to all, m.
   double displacement = 0;
-  Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
+  std::uint64_t list_steps = 0;  ///< begun with the list as it is; where nothing sleeps
+  Vec3 frame{0, 0, 0};           ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
   InfillEnergy energy;     ///< as of the last force evaluation
   bool took_over = false;  ///< a compacted bed: reference volumes are state
@@ -41,7 +43,7 @@ struct SphInfill::Impl {
   void set_up(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
   void take_over(const CompactedBed& bed, ConditionedState state);
   /// Lists neighbours, and evaluates what depends on the state alone, the stable step among it.
-  void begin(double pitch, double sleep_tolerance);
+  void begin(double lattice_pitch, double sleep_tolerance);
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
   void save_sleep(h5::Group& group) const;
   void load_sleep(const h5::Group& group);
