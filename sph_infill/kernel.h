@@ -2,8 +2,9 @@
 /// Smoothing kernels in three dimensions with support 2h, as values: a loop is compiled for one of them.
 ///
 /// Loops need dW/dr / r alone: grad_i W_ij = (dW/dr / r) (x_i - x_j). It is finite at r = 0 and zero beyond
-/// the support, so that a list may hold pairs that are too far apart, and the particle itself. They are
-/// templates over the number type: double, or Pack for a pair a lane.
+/// the support, so that a list may hold pairs that are too far apart, and the particle itself. It is a shape,
+/// which they take pair by pair, times a factor, which goes to their sums. Shapes are templates over the
+/// number type: double, or Pack for a pair a lane.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,12 +26,19 @@ struct WendlandC2 {
     const double q = distance * inverse_h, t = std::max(0.0, 1 - 0.5 * q);
     return scale * t * t * t * t * (2 * q + 1);
   }
-  /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5.
+  /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5; the shape is (2h - r)^3, exactly zero from 2h on.
+  [[nodiscard]] TUFT_HD double slope_factor() const {
+    const double per_support = 0.5 * inverse_h;
+    return -5 * scale * inverse_h * inverse_h * per_support * per_support * per_support;
+  }
   template <class Real>
-  [[nodiscard]] TUFT_HD Real slope_over_distance(const Real& distance_squared) const {
+  [[nodiscard]] TUFT_HD Real slope_shape(const Real& distance_squared) const {
     using std::max, std::sqrt;
-    const Real q = sqrt(distance_squared) * inverse_h, t = max(Real(0), 1 - 0.5 * q);
-    return (-5 * scale * inverse_h * inverse_h) * t * (t * t);
+    const Real t = max(Real(0), 2 * h - sqrt(distance_squared));
+    return t * (t * t);
+  }
+  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
+    return slope_factor() * slope_shape(distance_squared);
   }
 };
 
@@ -46,14 +54,19 @@ struct CubicSpline {
     const double q = distance * inverse_h, t = std::max(0.0, 2 - q);
     return scale * (q < 1 ? 1 - 1.5 * q * q + 0.75 * q * q * q : 0.25 * t * t * t);
   }
-  /// dW/dr / r = s/h^2 (-3 + 9/4 q) for q < 1, -s/h^2 3/4 (2 - q)^2 / q for q < 2.
+  /// dW/dr / r = s/h^2 (-3 + 9/4 q) for q < 1, -s/h^2 3/4 (2 - q)^2 / q for q < 2; the shape is what follows
+  /// s/h^2.
+  [[nodiscard]] TUFT_HD double slope_factor() const { return scale * inverse_h * inverse_h; }
   template <class Real>
-  [[nodiscard]] TUFT_HD Real slope_over_distance(const Real& distance_squared) const {
+  [[nodiscard]] TUFT_HD Real slope_shape(const Real& distance_squared) const {
     using std::max, std::sqrt;
     const Real q = sqrt(distance_squared) * inverse_h, t = max(Real(0), 2 - q);
     const Real inner = 2.25 * q - 3;
     const Real outer = -0.75 * (t * t) / max(Real(1), q);  // used for q >= 1 only: no division by zero
-    return (scale * inverse_h * inverse_h) * select(q < Real(1), inner, outer);
+    return select(q < Real(1), inner, outer);
+  }
+  [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
+    return slope_factor() * slope_shape(distance_squared);
   }
 };
 

@@ -18,7 +18,7 @@ class ResidualForces {
   ResidualForces(const Particles& p, const Index* own)
       : records_(p.residual.data()), own_(load_records(records_, own)) {}
 
-  /// u: v_j - v_i. g: slope (x_i - x_j).
+  /// u: v_j - v_i. g: slope (x_i - x_j). Slopes may lack a factor, which the force lacks then.
   void add(const Index* index, const Pack& slope, const Pack& volume, const std::array<Pack, 3>& u,
            const std::array<Pack, 3>& g) {
     const auto q = load_records(records_, index);
@@ -59,8 +59,8 @@ PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, c
   const auto [qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz, linear_i, quadratic_i, unused_i] =
       load_records(p.stress.data(), own_index.data());
   const double h = options.smoothing_length, floor = 0.01 * h * h;
-  const Pack own_linear = options.viscosity_linear * linear_i,
-             own_quadratic = options.viscosity_quadratic * quadratic_i;
+  const Pack own_linear = options.viscosity_linear * h * linear_i,
+             own_quadratic = options.viscosity_quadratic * h * h * quadratic_i;
   const NeighbourList::GroupRows rows = list.group(group);
   std::array<Pack, 3> neighbours{}, gradient{};  // sum_j Q_j g_ij and sum_j V_j g_ij
   PairForces force;
@@ -76,16 +76,16 @@ PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, c
     const auto [nxx, nxy, nxz, nyx, nyy, nyz, nzx, nzy, nzz, linear, quadratic, unused] =
         load_records(p.stress.data(), index);
     const Pack dx = xi - x, dy = yi - y, dz = zi - z, distance_squared = dx * dx + dy * dy + dz * dz;
-    const Pack slope = kernel.slope_over_distance(distance_squared);
+    const Pack slope = kernel.slope_shape(distance_squared);
     const Pack gx = slope * dx, gy = slope * dy, gz = slope * dz;
-    neighbours[0] += nxx * gx + nxy * gy + nxz * gz;
-    neighbours[1] += nyx * gx + nyy * gy + nyz * gz;
-    neighbours[2] += nzx * gx + nzy * gy + nzz * gz;
+    neighbours[0] += nxx * gx, neighbours[1] += nyx * gx, neighbours[2] += nzx * gx;
+    neighbours[0] += nxy * gy, neighbours[1] += nyy * gy, neighbours[2] += nzy * gy;
+    neighbours[0] += nxz * gz, neighbours[1] += nyz * gz, neighbours[2] += nzz * gz;
     gradient[0] += volume * gx, gradient[1] += volume * gy, gradient[2] += volume * gz;
     const Pack ux = vx - vxi, uy = vy - vyi, uz = vz - vzi;
     if constexpr (Chosen::viscous) {
       const Pack approach = ux * dx + uy * dy + uz * dz;
-      const Pack mu = h * stdx::max(Pack(0.0), approach) / (distance_squared + floor);
+      const Pack mu = stdx::max(Pack(0.0), approach) / (distance_squared + floor);
       const Pack a = mu * (own_linear * linear + own_quadratic * quadratic * mu);
       force.viscous[0] -= a * gx, force.viscous[1] -= a * gy, force.viscous[2] -= a * gz;
     }
@@ -96,6 +96,8 @@ PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, c
   force.stress = {qxx * gradient[0] + qxy * gradient[1] + qxz * gradient[2] + volume_i * neighbours[0],
                   qyx * gradient[0] + qyy * gradient[1] + qyz * gradient[2] + volume_i * neighbours[1],
                   qzx * gradient[0] + qzy * gradient[1] + qzz * gradient[2] + volume_i * neighbours[2]};
+  for (std::size_t d = 0; d < 3; ++d)
+    force.stress[d] *= kernel.slope_factor(), force.viscous[d] *= kernel.slope_factor();
   return force;
 }
 

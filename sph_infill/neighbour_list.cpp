@@ -83,13 +83,22 @@ struct NeighbourList::Scratch {
 };
 
 NeighbourList::NeighbourList(const Vec3Array& positions, double support, double skin)
-    : reach_(support + skin), skin_(skin), cell_size_((reach_ + 0.5 * skin) / cells_per_reach) {
+    : support_(support), skin_(skin), next_skin_(skin) {
   const std::array<const std::vector<double>*, 3> component{&positions.x, &positions.y, &positions.z};
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [low, high] = std::minmax_element(component[d]->begin(), component[d]->end());
+    box_low_[d] = *low, box_high_[d] = *high;
+  }
+  size_cells();
+}
+
+void NeighbourList::size_cells() {
+  reach_ = support_ + skin_;
+  cell_size_ = (reach_ + 0.5 * skin_) / cells_per_reach;
+  for (std::size_t d = 0; d < 3; ++d) {
     // Room on each side before particles begin to share the outermost cells.
-    low_[d] = *low - reach_;
-    cells_[d] = static_cast<std::size_t>((*high - low_[d] + reach_) / cell_size_) + 1;
+    low_[d] = box_low_[d] - reach_;
+    cells_[d] = static_cast<std::size_t>((box_high_[d] - low_[d] + reach_) / cell_size_) + 1;
   }
 }
 
@@ -181,7 +190,7 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
       next[l] += lanes * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
     }
   }
-  for (std::size_t l = 0; l < lanes; ++l) 
+  for (std::size_t l = 0; l < lanes; ++l)
     scratch.length[l] = l < count && !is_left_out(begin + l) ? next[l] / lanes : 0;
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < lanes; ++l)
@@ -210,6 +219,10 @@ void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b) {
 }
 
 void NeighbourList::begin(const Vec3Array& positions) {
+  if (next_skin_ != skin_) {
+    skin_ = next_skin_;
+    size_cells();
+  }
   sort_into_cells(positions);
   blocks_.resize((positions.size() + block_size - 1) / block_size);
   ++begun_;

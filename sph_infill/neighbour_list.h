@@ -32,6 +32,9 @@ class NeighbourList {
   /// `positions` sizes the cells' grid; particles that leave it later share its outermost cells, which is
   /// correct, only slower.
   NeighbourList(const Vec3Array& positions, double support, double skin);
+  /// m, from the next build on; until then allowed_displacement() is that of the list as it stands.
+  void set_skin(double skin) { next_skin_ = skin; }
+  [[nodiscard]] double skin() const { return skin_; }
 
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
@@ -70,6 +73,7 @@ class NeighbourList {
   /// What one thread needs to build rows.
   struct Scratch;
 
+  void size_cells();
   void sort_into_cells(const Vec3Array& positions);
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
   void find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
@@ -77,8 +81,9 @@ class NeighbourList {
   void make_rows(const Vec3Array& positions, std::size_t block);
   void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
 
-  double reach_ = 0, skin_ = 0, cell_size_ = 1;
-  std::array<double, 3> low_{};
+  double support_ = 0, skin_ = 0, next_skin_ = 0, reach_ = 0, cell_size_ = 1;
+  std::array<double, 3> box_low_{}, box_high_{};
+  std::array<double, 3> low_{};  ///< of the cells
   std::array<std::size_t, 3> cells_{1, 1, 1};
   std::vector<std::uint32_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
   std::vector<Index> cell_particle_;

@@ -25,13 +25,13 @@ struct alignas(64) MotionRecord {
 /// What the force loop reads besides. Single precision: both ends of a pair take the same rounded values, so
 /// that momentum is kept as well as in double precision, and the power of the forces meets the stress power
 /// to 1e-7.
-struct StressRecord {
+struct alignas(64) StressRecord {
   std::array<float, 9> v_sigma_b;  ///< V sigma B by rows, N m: the half of the pair force a particle brings
   float viscous_linear,
       viscous_quadratic;  ///< factors of the viscous pair force: sqrt(m V) sqrt(c), sqrt(m V)
   float wave_speed;       ///< m/s
 
-  static constexpr std::size_t values = 12;
+  static constexpr std::size_t values = 12, room = 16;
 };
 
 /// The records of the particles named, a lane each, as columns.
@@ -42,21 +42,21 @@ struct StressRecord {
 }
 [[nodiscard]] inline std::array<Pack, StressRecord::values> load_records(const StressRecord* records,
                                                                          const Index* index) {
-  return load_columns<StressRecord::values>(reinterpret_cast<const float*>(records), StressRecord::values,
+  return load_columns<StressRecord::values>(reinterpret_cast<const float*>(records), StressRecord::room,
                                             index);
 }
 
 /// What the force loop reads where zero-energy modes are controlled; see sph_loops.h.
-struct ResidualRecord {
+struct alignas(64) ResidualRecord {
   std::array<float, 9> v_c_l;  ///< V C L by rows, m^3 Pa
   float v_c;                   ///< V C, m^3 Pa s
   std::array<float, 2> unused;
 
-  static constexpr std::size_t values = 12;
+  static constexpr std::size_t values = 12, room = 16;
 };
 [[nodiscard]] inline std::array<Pack, ResidualRecord::values> load_records(const ResidualRecord* records,
                                                                            const Index* index) {
-  return load_columns<ResidualRecord::values>(reinterpret_cast<const float*>(records), ResidualRecord::values,
+  return load_columns<ResidualRecord::values>(reinterpret_cast<const float*>(records), ResidualRecord::room,
                                               index);
 }
 

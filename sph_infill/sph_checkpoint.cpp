@@ -63,13 +63,20 @@ std::vector<double> read_array(const h5::Group& group, const std::string& name, 
 /// Records of floats as plain values, and back.
 template <class Record>
 std::vector<double> values_of(const std::vector<Record>& records) {
-  const auto* first = reinterpret_cast<const float*>(records.data());
-  return {first, first + records.size() * Record::values};
+  std::vector<double> values;
+  for (const Record& record : records) {
+    const auto* first = reinterpret_cast<const float*>(&record);
+    values.insert(values.end(), first, first + Record::values);
+  }
+  return values;
 }
 template <class Record>
 void set_values(const std::vector<double>& values, std::vector<Record>& records) {
-  auto* first = reinterpret_cast<float*>(records.data());
-  std::transform(values.begin(), values.end(), first, [](double v) { return static_cast<float>(v); });
+  auto value = values.begin();
+  for (Record& record : records) {
+    auto* first = reinterpret_cast<float*>(&record);
+    for (std::size_t k = 0; k < Record::values; ++k) first[k] = static_cast<float>(*value++);
+  }
 }
 
 }  // namespace
@@ -93,6 +100,9 @@ void SphInfill::save(h5::Group& group) {
 void SphInfill::Impl::save_steps(h5::Group& group) const {
   steps.save(group);
   save_records(group);
+  // Paces are of what its list reached.
+  group.write_scalar("list_skin", list.skin());
+  group.write_scalar("list_steps", list_steps);
   group.write("own_step", std::vector<double>(particles.own_step.begin(), particles.own_step.end()));
   group.write(
       "energy_in_step",
@@ -103,6 +113,9 @@ void SphInfill::Impl::save_steps(h5::Group& group) const {
 
 void SphInfill::Impl::load_steps(const h5::Group& group) {
   steps.load(group);
+  list.set_skin(group.read_double("list_skin"));
+  list.build(particles.position);
+  list_steps = group.read_count("list_steps");
   load_records(group);
   const std::vector<double> own = read_array(group, "own_step", particles.size());
   std::transform(own.begin(), own.end(), particles.own_step.begin(),

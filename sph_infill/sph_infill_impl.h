@@ -12,6 +12,7 @@ struct SphInfill::Impl {
   Vec3 gravity{0, 0, 0};
   Particles particles;
   NeighbourList list;
+  double pitch = 0;  ///< m, of the lattice
   Sleep sleep;
   IndividualSteps steps;
   bool begun = false;      ///< the coming window is announced
@@ -25,7 +26,8 @@ struct SphInfill::Impl {
   double stable_step = 0;  ///< s, as of the last stress evaluation
   /// No particle has moved farther since the list was built, relative to the frame common to all, m.
   double displacement = 0;
-  Vec3 frame{0, 0, 0};  ///< m/s, the particles' mean velocity a step ago
+  std::uint64_t list_steps = 0;  ///< begun with the list as it is; where nothing sleeps
+  Vec3 frame{0, 0, 0};           ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
   InfillEnergy energy;          ///< as of the last force evaluation
   InfillEnergy energy_in_step;  ///< as of the last in which all were kicked, where steps are individual
@@ -46,7 +48,7 @@ struct SphInfill::Impl {
   void set_up(const Lattice& lattice, const std::vector<Material>& materials, const SphSettings& settings);
   void take_over(const CompactedBed& bed, ConditionedState state);
   /// Lists neighbours, and evaluates what depends on the state alone, the stable step among it.
-  void begin(double pitch, double sleep_tolerance);
+  void begin(double lattice_pitch, double sleep_tolerance);
   KickSums step(double dt, const Vec3Array* impulse, double impulse_share);
   void save_sleep(h5::Group& group) const;
   void load_sleep(const h5::Group& group);
@@ -62,6 +64,9 @@ struct SphInfill::Impl {
   void take_out(Index particle);
   /// Before the first of the window's substeps: lists, periods, and what is due.
   void begin_steps(double dt, int substeps, bool energy_wanted);
+  /// Before a step, where nothing sleeps: whether the list is to be built anew, and with which skin then.
+  [[nodiscard]] bool list_has_served();
+  void build_list();
   /// Makes the neighbours of all that will be computed known, and chooses what that is.
   void prepare(const Vec3Array* impulse, double window);
   [[noreturn]] void report_invalid_stress() const;

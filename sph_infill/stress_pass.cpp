@@ -28,15 +28,25 @@ GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const Neighbour
   GradientSumsOf<Pack> sum;
   SymmetricTensorOf<Pack>&m = sum.moment, &c = sum.mobility;
   TensorOf<Pack>& v = sum.velocity;
-  for (std::size_t k = 0; k < rows.length; ++k) {
+  // Loaded a pair ahead of the sums: a root and what leads to it would keep them waiting.
+  struct Pair {
+    Pack dx, dy, dz, w, ux, uy, uz, inverse_mass;
+  };
+  const auto pair_of = [&](std::size_t k) {
     const auto [x, y, z, vx, vy, vz, volume, inverse_mass] =
         load_records(p.motion.data(), rows.first + k * lanes);
     const Pack dx = xi - x, dy = yi - y, dz = zi - z;
-    const Pack w = volume * kernel.slope_over_distance(dx * dx + dy * dy + dz * dz);
+    const Pack w = volume * kernel.slope_shape(dx * dx + dy * dy + dz * dz);
+    return Pair{dx, dy, dz, w, vx - vxi, vy - vyi, vz - vzi, inverse_mass};
+  };
+  if (rows.length == 0) return sum;
+  Pair next = pair_of(0);
+  for (std::size_t k = 0; k < rows.length; ++k) {
+    const auto [dx, dy, dz, w, ux, uy, uz, inverse_mass] = next;
+    next = pair_of(std::min(k + 1, rows.length - 1));
     const Pack wx = w * dx, wy = w * dy, wz = w * dz;
     m.xx -= wx * dx, m.yy -= wy * dy, m.zz -= wz * dz;
     m.xy -= wx * dy, m.yz -= wy * dz, m.zx -= wz * dx;
-    const Pack ux = vx - vxi, uy = vy - vyi, uz = vz - vzi;
     v.xx += ux * wx, v.xy += ux * wy, v.xz += ux * wz;
     v.yx += uy * wx, v.yy += uy * wy, v.yz += uy * wz;
     v.zx += uz * wx, v.zy += uz * wy, v.zz += uz * wz;
@@ -45,6 +55,9 @@ GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const Neighbour
     c.xx += nx * wx, c.yy += ny * wy, c.zz += nz * wz;
     c.xy += nx * wy, c.yz += ny * wz, c.zx += nz * wx;
   }
+  const double factor = kernel.slope_factor();
+  m = factor * m, c = factor * factor * c, v = factor * v;
+  for (Pack& g : sum.gradient) g *= factor;
   return sum;
 }
 

@@ -67,6 +67,10 @@ template <class Real>
 struct TensorOf {
   Real xx = 0, xy = 0, xz = 0, yx = 0, yy = 0, yz = 0, zx = 0, zy = 0, zz = 0;
 };
+template <class Real>
+TUFT_HD TensorOf<Real> operator*(const std::type_identity_t<Real>& f, const TensorOf<Real>& a) {
+  return {f * a.xx, f * a.xy, f * a.xz, f * a.yx, f * a.yy, f * a.yz, f * a.zx, f * a.zy, f * a.zz};
+}
 
 /// a . b
 template <class Real>

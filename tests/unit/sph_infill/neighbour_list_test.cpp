@@ -81,6 +81,21 @@ TEST(NeighbourList, MissesNoPairUntilAParticleHasMovedHalfTheSkin) {
   }
 }
 
+TEST(NeighbourList, TakesANewSkinWithTheNextBuild) {
+  const Vec3Array points = random_points(600, 1, 9);
+  NeighbourList list(points, 0.17, 0.03);
+  list.build(points);
+  for (const double skin : {0.01, 0.08}) {
+    const double before = list.allowed_displacement();
+    list.set_skin(skin);
+    EXPECT_EQ(list.allowed_displacement(), before);
+    list.build(points);
+    EXPECT_EQ(list.allowed_displacement(), 0.5 * skin);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(list.row(i), brute_force(points, i, 0.17 + skin));
+  }
+}
+
 TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
   const Vec3Array points = random_points(500, 1, 6);
   NeighbourList one(points, 0.2, 0.02), three(points, 0.2, 0.02);
