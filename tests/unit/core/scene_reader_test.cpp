@@ -392,6 +392,23 @@ TEST(SceneMistakes, SleepOfAMaterialThatRecoversWithTime) {
   EXPECT_NO_THROW((void)with("compression = 0.1", "1e-4")) << "rest does not compress";
 }
 
+TEST(SceneMistakes, IndividualStepsThatAreNoPowerOfTwoOrMeetSleep) {
+  const auto with = [](const Overrides& overrides) {
+    try {
+      (void)read_scene_text(good, "a.toml", overrides);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(with({{"numerics.individual_steps", "8"}}), "");
+  EXPECT_THAT(with({{"numerics.individual_steps", "6"}}),
+              HasSubstr("numerics.individual_steps: is 6; give 1"));
+  EXPECT_THAT(with({{"numerics.individual_steps", "32"}}), HasSubstr("numerics.individual_steps"));
+  EXPECT_THAT(with({{"numerics.individual_steps", "2"}, {"numerics.sleep_tolerance", "1e-4"}}),
+              HasSubstr("cannot be combined with numerics.sleep_tolerance"));
+}
+
 TEST(SceneMistakes, PartsOfTheSoilLawGivenTwiceOrNotAtAll) {
   const auto own = [](const std::string& text) {
     return complaint(good + "[materials.sbr.continuum]\n" + text + "\n");
