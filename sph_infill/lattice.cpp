@@ -7,7 +7,7 @@
 namespace tuft::sph {
 namespace {
 
-/// Particles along an edge of a tile, see make_lattice.
+/// Columns of particles across a tile or a strip, see make_lattice.
 constexpr long tile_width = 16;
 
 /// Rows of one layer: a whole number, spaced so that they fill its depth.
@@ -49,24 +49,32 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
 
   Lattice lattice;
   lattice.pitch = std::sqrt(px * py);
+  const auto add = [&](std::size_t k, long ix, long iy, int iz) {
+    lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
+                                (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
+                                rows[k].bottom + (iz + 0.5) * rows[k].spacing});
+    lattice.volume.push_back(px * py * rows[k].spacing);
+    lattice.layer.push_back(static_cast<Index>(k));
+    lattice.material.push_back(turf.layers[k].material);
+  };
   const auto add_row = [&](std::size_t k, int iz, long x_begin, long y_begin) {
     for (long ix = x_begin; ix < std::min(nx, x_begin + tile_width); ++ix)
-      for (long iy = y_begin; iy < std::min(ny, y_begin + tile_width); ++iy) {
-        lattice.position.push_back({(static_cast<double>(ix) + 0.5) * px - 0.5 * box.size[0],
-                                    (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
-                                    rows[k].bottom + (iz + 0.5) * rows[k].spacing});
-        lattice.volume.push_back(px * py * rows[k].spacing);
-        lattice.layer.push_back(static_cast<Index>(k));
-        lattice.material.push_back(turf.layers[k].material);
-      }
+      for (long iy = y_begin; iy < std::min(ny, y_begin + tile_width); ++iy) add(k, ix, iy, iz);
   };
-  // By tiles, row upon row: what one particle's neighbours read stays in a core's second-level cache, and
-  // particles with consecutive indices lie at one height of one layer, so that steps of their own
-  // (individual_steps.h) are alike.
-  for (long iy = 0; iy < ny; iy += tile_width)
+  // What one particle's neighbours read stays in a core's second-level cache: one layer by strips of columns,
+  // which is the faster of the two. Several by tiles, row upon row, so that particles with consecutive
+  // indices lie at one height of one layer, and their steps (individual_steps.h) are alike.
+  for (long iy = 0; iy < ny; iy += tile_width) {
+    if (rows.size() == 1) {
+      for (long ix = 0; ix < nx; ++ix)
+        for (long k = iy; k < std::min(ny, iy + tile_width); ++k)
+          for (int iz = 0; iz < rows[0].count; ++iz) add(0, ix, k, iz);
+      continue;
+    }
     for (long ix = 0; ix < nx; ix += tile_width)
       for (std::size_t k = 0; k < rows.size(); ++k)
         for (int iz = 0; iz < rows[k].count; ++iz) add_row(k, iz, ix, iy);
+  }
   return lattice;
 }
 
