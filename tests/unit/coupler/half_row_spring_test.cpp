@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <span>
+
 #include "core/scene_reader.h"
 #include "coupler/body_contact.h"
 #include "coupler/build_simulation.h"
@@ -54,6 +57,18 @@ class PointAboveFloor : public testing::Test {
     BodyImpulses on_bodies{{Vec3(0, 0, 0)}};
     contact_.evaluate(view(), bodies_, 0, 1e-6, 0, 0, 1e-6, linear, nullptr, on_bodies);
   }
+  /// Impulses upwards on the point and on the floor, N s, in a window in which a point with kicks of its own
+  /// is kicked for `length` (s), `since` (s) after the last time.
+  std::array<double, 2> impulses_of_kick(double since, double length) {
+    ParticleView points = view();
+    points.kicks = {1, std::span(&since, 1), std::span(&length, 1)};
+    Vec3Array linear;
+    linear.assign(1, 0);
+    BodyImpulses on_bodies{{Vec3(0, 0, 0)}};
+    contact_.evaluate(points, bodies_, 0, 1e-6, 0, 0, 1e-6, linear, nullptr, on_bodies);
+    return {linear.z[0], on_bodies.impulse[0].z()};
+  }
+  void let_floor_move() { bodies_[0].driven = true; }
   void replace(const NormalSpring& spring) { contact_.replace_springs({spring}, view(), bodies_, 0); }
   [[nodiscard]] const ContactEnergy& energy() const { return contact_.energy(); }
   [[nodiscard]] static double step_of(double stiffness) { return 2 * std::sqrt(mass / stiffness); }
@@ -76,6 +91,22 @@ class PointAboveFloor : public testing::Test {
   }();
   std::vector<double> zero_{0}, radius_{radius}, mass_{mass}, z_{1}, vz_{0};
 };
+
+TEST_F(PointAboveFloor, WithKicksOfItsOwnReceivesTheForceForAsLongAsEachLasts) {
+  place(radius - 1e-4, 0);
+  const double force = spring_.force(1e-4);
+  for (const double length : {4e-6, -2.5e-6}) {  // backwards where the last kick went too far ahead
+    const auto [point, floor] = impulses_of_kick(8e-6, length);
+    EXPECT_NEAR(point, force * length, 1e-12 * force);
+    EXPECT_DOUBLE_EQ(floor, -point);
+  }
+  const auto [point, floor] = impulses_of_kick(8e-6, 0);
+  EXPECT_EQ(point, 0);
+  EXPECT_EQ(floor, 0);
+  EXPECT_DOUBLE_EQ(energy().elastic, spring_.energy(1e-4)) << "what it holds between kicks";
+  let_floor_move();
+  EXPECT_NEAR(impulses_of_kick(8e-6, 4e-6)[0], force * 1e-6, 1e-12 * force) << "of the window";
+}
 
 TEST_F(PointAboveFloor, BeforeTheFirstSearchMayMeetTheStiffestOfItsSpring) {
   EXPECT_DOUBLE_EQ(stable_step(0), step_of(spring_.tangent(1)));

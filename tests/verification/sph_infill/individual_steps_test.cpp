@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "sph_infill/individual_steps.h"
 #include "tests/unit/sph_infill/sph_test_support.h"
+#include "tests/verification/sph_infill/cases/same_bits.h"
 
 namespace tuft::sph {
 namespace {
@@ -159,21 +160,6 @@ TEST_P(IndividualStepsOf, ErrInAWaveBySecondOrderOfTheStep) {
   EXPECT_LT(fine.motion, 0.4 * coarse.motion);
 }
 
-void expect_same(const SphInfill& a, const SphInfill& b) {
-  const ParticleView p = a.particles(), q = b.particles();
-  EXPECT_TRUE(std::ranges::equal(p.x, q.x) && std::ranges::equal(p.y, q.y) && std::ranges::equal(p.z, q.z));
-  EXPECT_TRUE(std::ranges::equal(p.vx, q.vx) && std::ranges::equal(p.vy, q.vy) &&
-              std::ranges::equal(p.vz, q.vz));
-  const auto fields_a = a.fields(), fields_b = b.fields();
-  for (std::size_t k = 0; k < fields_a.size(); ++k)
-    EXPECT_EQ(fields_a[k].values, fields_b[k].values) << fields_a[k].name;
-  const InfillEnergy e = a.energy(), f = b.energy();
-  EXPECT_EQ(e.kinetic, f.kinetic);
-  EXPECT_EQ(e.stored, f.stored);
-  EXPECT_EQ(e.dissipated, f.dissipated);
-  EXPECT_EQ(a.stable_step(), b.stable_step());
-}
-
 TEST(IndividualSteps, WhereContactCallsForEveryStepGiveTheBitsOfOneStepForAll) {
   LayeredBlock own(8, test::Preset::accurate, true), one(1, test::Preset::accurate, true);
   own.infill.set_contact_rates(
@@ -182,7 +168,7 @@ TEST(IndividualSteps, WhereContactCallsForEveryStepGiveTheBitsOfOneStepForAll) {
   const double dt = 0.7 * one.infill.stable_step();
   own.advance(dt, 120), one.advance(dt, 120);
   EXPECT_EQ(own.infill.particle_steps(), one.infill.particle_steps());
-  expect_same(own.infill, one.infill);
+  test::expect_same(own.infill, one.infill);
 }
 
 /// Struck hard enough that the list is built anew and periods change.
@@ -199,7 +185,7 @@ TEST_P(IndividualStepsOf, GiveTheSameBitsOnOneAndTwoThreads) {
   set_threads(2);
   run(two, 150);
   set_threads(threads);
-  expect_same(one.infill, two.infill);
+  test::expect_same(one.infill, two.infill);
 }
 
 TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoKicks) {
@@ -218,7 +204,7 @@ TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoK
   resumed.infill.load(h5::File::open(path).root().open_group("infill"));
   std::filesystem::remove(path);
   run(straight, 130), run(resumed, 130);
-  expect_same(straight.infill, resumed.infill);
+  test::expect_same(straight.infill, resumed.infill);
 }
 
 TEST(IndividualSteps, OfAFallingBlockAreThoseOfFreeFall) {

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "tests/unit/sph_infill/sph_test_support.h"
+#include "tests/verification/sph_infill/cases/same_bits.h"
 
 namespace tuft::sph {
 namespace {
@@ -45,25 +46,6 @@ struct StruckBed {
   }
 };
 
-void expect_same(const SphInfill& a, const SphInfill& b) {
-  const ParticleView p = a.particles(), q = b.particles();
-  EXPECT_TRUE(std::ranges::equal(p.x, q.x) && std::ranges::equal(p.y, q.y) && std::ranges::equal(p.z, q.z));
-  EXPECT_TRUE(std::ranges::equal(p.vx, q.vx) && std::ranges::equal(p.vy, q.vy) &&
-              std::ranges::equal(p.vz, q.vz));
-  const auto fields_a = a.fields(), fields_b = b.fields();
-  for (std::size_t k = 0; k < fields_a.size(); ++k)
-    EXPECT_EQ(fields_a[k].values, fields_b[k].values) << fields_a[k].name;
-  const InfillEnergy e = a.energy(), f = b.energy();
-  EXPECT_EQ(e.kinetic, f.kinetic);
-  EXPECT_EQ(e.stored, f.stored);
-  EXPECT_EQ(e.dissipated, f.dissipated);
-  EXPECT_EQ(e.gravity_potential, f.gravity_potential);
-  EXPECT_EQ(e.damping, f.damping);
-  EXPECT_EQ(e.contact_work, f.contact_work);
-  EXPECT_EQ(a.stable_step(), b.stable_step());
-  EXPECT_EQ(a.particle_steps(), b.particle_steps());
-}
-
 class Reproducibility : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, Reproducibility,
                          testing::Values(test::Preset::accurate, test::Preset::paper));
@@ -79,7 +61,7 @@ void expect_same_on_one_and_two_threads(test::Preset preset, const SoilEffects& 
   two.run(40);
   set_threads(threads);
   EXPECT_GT(one.infill.energy().dissipated, 0);
-  expect_same(one.infill, two.infill);
+  test::expect_same(one.infill, two.infill);
 }
 
 struct TemporaryFile {
@@ -105,7 +87,7 @@ void expect_same_when_continued(test::Preset preset, const SoilEffects& effects)
   StruckBed resumed(preset, 10, effects);
   resumed.infill.load(h5::File::open(file.path).root().open_group("infill"));
   resumed.run(30);
-  expect_same(straight.infill, resumed.infill);
+  test::expect_same(straight.infill, resumed.infill);
 }
 
 TEST_P(Reproducibility, OneAndTwoThreadsGiveTheSameBits) {
