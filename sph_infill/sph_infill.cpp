@@ -73,7 +73,7 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   settings.artificial_viscosity = given.artificial_viscosity;
   settings.soil_effects = given.soil_effects;
   settings.zero_energy_control = given.zero_energy_control;
-  settings.step_limit = make_step_limit(given.options, given.artificial_viscosity, given.zero_energy_control);
+  settings.step_limit = make_step_limit(given.options, lattice.pitch, given.artificial_viscosity, given.zero_energy_control);
   gravity = given.gravity;
   box = given.box;
   kick_length = given.kick_length;

@@ -2,16 +2,26 @@
 /// Largest stable step of the leapfrog, estimated particle by particle.
 ///
 /// The leapfrog is stable for dt <= 2/omega, omega the highest frequency of the particles. Stress power is
-/// P = sum_i V_i M |L_i|^2 at most (M the constrained modulus), and in mass-scaled velocities sqrt(m_j) v_j
-/// row i of L has the squared length R_i = sum_j V_j^2 |B_i g_ij|^2/m_j + |B_i sum_j V_j g_ij|^2/m_i, so
-/// omega_i^2 = V_i M_i R_i is a frequency of the order of omega. It follows disorder, free surfaces and
-/// corners, compression, layers of unlike density and any kernel, which a fixed share of h/c does not: there
-/// the limit itself varies from 0.66 to 1.25 h/c.
+/// P = sum_i V_i M |L_i|^2 at most (M the constrained modulus). In mass-scaled velocities sqrt(m_j) v_j the
+/// squared length of row i of L has the parts
 ///
-/// Measured (elastic cube of 8^3 particles with free faces and random velocities, no viscosity, 1200 steps,
-/// dt bisected to 2 % until the kinetic energy triples): omega/max omega_i = 1.11-1.16 for h = 1.3 pitch,
-/// Wendland C2, and 0.91-1.05 for h = 0.71 pitch, cubic spline; regular, jittered by 0.1 and 0.25 pitch,
-/// squeezed by 20 %. So dt = 2/(1.16 omega_i), rounded down, is below the limit by 2-6 % and by 11-23 %.
+///   R = sum_j V_j^2 |B_i g_ij|^2 / m_j   of its neighbours and   S = |B_i sum_j V_j g_ij|^2 / m_i
+///
+/// of its own: 0 where the neighbourhood is full, the larger of the two at a free surface. The row alone says
+/// V_i M (R + S). But inside a body neighbouring rows act together: a plane wave, of which a row sees
+/// |sum_j V_j B g_ij sin(k.x_ij)|, drives kappa times as fast as the row alone, kappa = 2.1 with 80
+/// neighbours and 1.4 with 18; at a surface or an edge they hardly do. So
+///
+///   omega_i^2 = V_i M (kappa^2 max(1, V_0/V_i) R / (1 + S/R)^2 + 2.05 S)
+///
+/// with kappa of the perfect lattice, which is exact there, and V_0/V_i for what is squeezed: the wave is as
+/// short as the kernel allows, the lattice finer, and R less. The rest is fitted to the highest frequencies of 7^3
+/// particles, elastic (G/K 0.5 and 1.5): periodic, between two free faces, and free all round; on the lattice and
+/// thrown off it by 0.1 and 0.2 pitch; squeezed by 20 and 40 %; uniform, and with a layer of 50 times the
+/// stiffness in the middle or on top. omega/max omega_i = 0.57-1.00 (h = 1.3 pitch, Wendland C2), 0.61-1.03
+/// (h = pitch, cubic spline), 0.52-1.01 (h = 0.71 pitch): the low ones are thin stiff layers. The row alone,
+/// with one factor for all, is off by 0.73-2.21: what was stable at a free surface shook the inside of a bed
+/// apart. docs/theory/sph.md, tests/verification/sph_infill/stable_step_test.cpp.
 #include <cmath>
 #include <type_traits>
 
@@ -19,33 +29,40 @@
 
 namespace tuft::sph {
 
-/// dt omega_i that is still stable.
-inline constexpr double stable_phase = 1.7;
-
 struct StepLimit {
   double smoothing_length = 0;       ///< m
   double viscosity_linear = 0;       ///< Monaghan alpha, 0 when viscosity is off
   double viscosity_quadratic = 0;    ///< Monaghan beta
   double zero_energy_viscosity = 0;  ///< zeta, 0 when zero-energy modes are not controlled
+  double coherence_squared = 0;      ///< kappa^2
+  double lattice_volume = 0;         ///< m^3, V_0: pitch cubed
 };
 
-[[nodiscard]] inline StepLimit make_step_limit(const SphOptions& options, bool artificial_viscosity,
-                                               bool zero_energy_control = false) {
-  StepLimit limit{options.smoothing_length};
-  if (artificial_viscosity) {
-    limit.viscosity_linear = options.viscosity_linear;
-    limit.viscosity_quadratic = options.viscosity_quadratic;
-  }
-  if (zero_energy_control) limit.zero_energy_viscosity = options.zero_energy_viscosity;
-  return limit;
+/// kappa of a cubic lattice: the largest |sum_j B g_0j sin(k.x_j)| of all wave vectors k, over the root of
+/// sum_j |B g_0j|^2. pitch: m, > 0.
+[[nodiscard]] double wave_coherence(const SphOptions& options, double pitch);
+
+[[nodiscard]] StepLimit make_step_limit(const SphOptions& options, double pitch, bool artificial_viscosity,
+                                        bool zero_energy_control = false);
+
+/// omega_i^2 over V_i M, 1/(kg m^2). neighbours: R. own: S. volume: V_i, m^3.
+template <class Real>
+[[nodiscard]] TUFT_HD Real largest_mobility(const StepLimit& limit, const Real& neighbours,
+                                            const std::type_identity_t<Real>& own,
+                                            const std::type_identity_t<Real>& volume) {
+  constexpr double of_own = 2.05;
+  using std::max;
+  const Real squeezed = max(Real(1), limit.lattice_volume / volume);
+  const Real share = neighbours / max(Real(1e-300), neighbours + own);  // 1/(1 + S/R)
+  return limit.coherence_squared * squeezed * neighbours * (share * share) + of_own * own;
 }
 
 /// frequency: omega_i, 1/s. wave_speed: c, m/s. strain_rate: |D| = sqrt(D : D), 1/s.
 ///
 /// Viscosity acts with the velocity half a step behind, as a damping ratio xi would:
-/// dt = (2/omega)(sqrt(1 + xi^2) - xi). Measured: xi = 0.10-0.12 alpha; its quadratic term has alpha c + beta
-/// h |D| in place of alpha c; 0.38 zeta of the control of zero-energy modes. |D| is added to the frequency,
-/// for the geometry behind omega_i changes by |D| dt within the step.
+/// dt = (2/omega)(sqrt(1 + xi^2) - xi). Measured on free cubes: xi = 0.10-0.12 alpha; its quadratic term has
+/// alpha c + beta h |D| in place of alpha c; 0.38 zeta of the control of zero-energy modes. |D| is added to
+/// the frequency, for the geometry behind omega_i changes by |D| dt within the step.
 template <class Real>
 [[nodiscard]] TUFT_HD Real particle_stable_step(const StepLimit& limit, const Real& frequency,
                                                 const std::type_identity_t<Real>& wave_speed,
@@ -54,7 +71,7 @@ template <class Real>
   const Real speed_ratio = limit.smoothing_length * strain_rate / wave_speed;
   const Real xi = 0.12 * (limit.viscosity_linear + limit.viscosity_quadratic * speed_ratio) +
                   0.4 * limit.zero_energy_viscosity;
-  return stable_phase / (frequency + strain_rate) * (sqrt(1.0 + xi * xi) - xi);
+  return 2.0 / (frequency + strain_rate) * (sqrt(1.0 + xi * xi) - xi);
 }
 
 }  // namespace tuft::sph

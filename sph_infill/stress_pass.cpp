@@ -127,16 +127,21 @@ void store_residual_records(double zeta_h, const TensorOf<Pack>& l, const PackMa
   }
 }
 
-/// |row i of L|^2 in mass-scaled velocities, 1/(kg m^2): what stable_step.h bounds frequencies with.
-Pack row_mobility(const GradientSumsOf<Pack>& sums, const SymmetricTensorOf<Pack>& b,
-                  const Pack& inverse_mass) {
+/// Squared length of row i of L in mass-scaled velocities, 1/(kg m^2), in the parts that stable_step.h bounds
+/// frequencies with.
+struct RowMobility {
+  Pack neighbours, own;
+};
+
+RowMobility row_mobility(const GradientSumsOf<Pack>& sums, const SymmetricTensorOf<Pack>& b,
+                         const Pack& inverse_mass) {
   const TensorOf<Pack> bc = dot(b, sums.mobility);
-  const Pack own = bc.xx * b.xx + bc.xy * b.xy + bc.xz * b.zx + bc.yx * b.xy + bc.yy * b.yy + bc.yz * b.yz +
-                   bc.zx * b.zx + bc.zy * b.yz + bc.zz * b.zz;
+  const Pack neighbours = bc.xx * b.xx + bc.xy * b.xy + bc.xz * b.zx + bc.yx * b.xy + bc.yy * b.yy +
+                          bc.yz * b.yz + bc.zx * b.zx + bc.zy * b.yz + bc.zz * b.zz;
   const auto& g = sums.gradient;
   const Pack x = b.xx * g[0] + b.xy * g[1] + b.zx * g[2], y = b.xy * g[0] + b.yy * g[1] + b.yz * g[2],
              z = b.zx * g[0] + b.yz * g[1] + b.zz * g[2];
-  return own + inverse_mass * (x * x + y * y + z * z);
+  return {neighbours, inverse_mass * (x * x + y * y + z * z)};
 }
 
 /// Sums of a block, lane by lane.
@@ -172,7 +177,10 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const Pack mass = load_lanes(p.mass, i, count);
   const Pack modulus = state.bulk_modulus * (1.0 + 4.0 / 3.0 * law.value(&SoilLaw::shear_ratio));
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
-  const Pack frequency = stdx::sqrt(modulus * volume * row_mobility(sums, correction, Pack(1.0) / mass));
+  const RowMobility row = row_mobility(sums, correction, Pack(1.0) / mass);
+  const Pack frequency =
+      stdx::sqrt(modulus * volume *
+                 largest_mobility(settings.step_limit, row.neighbours, row.own, volume));
   const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
   const Pack stable =
       particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)));

@@ -63,18 +63,18 @@ inline std::vector<Material> single_material(const SoilFoamMaterial& continuum) 
   return {material};
 }
 
-enum class Preset { accurate, paper };
+enum class Preset { accurate, fast, paper };
 /// Names the cases of parameterised tests.
 inline void PrintTo(Preset preset, std::ostream* os) {
-  *os << (preset == Preset::accurate ? "accurate" : "paper");
+  *os << (preset == Preset::accurate ? "accurate" : preset == Preset::fast ? "fast" : "paper");
 }
 
 inline SphOptions options_of(Preset preset, double pitch) {
   SphOptions options;
   options.pitch = pitch;
-  options.preset = preset == Preset::paper ? "paper" : "accurate";
-  options.kernel = preset == Preset::paper ? Kernel::cubic_spline : Kernel::wendland_c2;
-  options.smoothing_length = (preset == Preset::paper ? 0.71 : 1.3) * pitch;
+  options.preset = preset == Preset::paper ? "paper" : preset == Preset::fast ? "fast" : "accurate";
+  options.kernel = preset == Preset::accurate ? Kernel::wendland_c2 : Kernel::cubic_spline;
+  options.smoothing_length = (preset == Preset::paper ? 0.71 : preset == Preset::fast ? 1.0 : 1.3) * pitch;
   return options;
 }
 
