@@ -196,6 +196,27 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
   softening_ = touching_ > 0 ? softening / static_cast<double>(touching_) : 1.0;
 }
 
+double ParticleShellContact::stable_step(const ParticleView& particles) const {
+  constexpr double where_six_meet = 1.25 * 1.25;
+  double rate_squared = 0;
+  for (std::size_t g = 0; g < keys_.size();) {  // sorted by particle
+    const Index p = key_point(keys_[g]);
+    double touched = 0, next = 0;
+    for (; g < keys_.size() && key_point(keys_[g]) == p; ++g) {
+      double k = 0;
+      for (std::size_t s = first_element_[g]; s < first_element_[g + 1]; ++s)
+        k = std::max(k, stiffness(p, particles.radius[p], elements_[s]));
+      if (histories_[g].side != 0)
+        touched += k;
+      else
+        next = std::max(next, k);
+    }
+    const double zeta = settings_.damping_ratio[p], share = std::sqrt(1 + zeta * zeta) - zeta;
+    rate_squared = std::max(rate_squared, (touched + next) / (particles.mass[p] * share * share));
+  }
+  return 2 / std::sqrt(where_six_meet * rate_squared);
+}
+
 void ParticleShellContact::raise_rates(std::vector<float>& rates) const {
   for (const PairKey key : keys_)
     rates[static_cast<std::size_t>(key_point(key))] = std::numeric_limits<float>::infinity();

@@ -68,6 +68,11 @@ class ParticleShellContact {
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
+  /// Largest stable step of these contacts on the particles' side, s: (2/omega)(sqrt(1 + zeta^2) - zeta), as
+  /// dashpots act with the velocity half a step before. omega^2 = 1.56 k/m with k the sum over the surfaces that a
+  /// particle touched when last looked at, and the stiffest of those that it may touch next; 1.56 = 1.25^2 where
+  /// six triangles meet (soft_overlap.h). Infinite where no shell is near.
+  [[nodiscard]] double stable_step(const ParticleView& particles) const;
   /// Makes the rates (one a particle) of those near a shell infinite: they have to be kicked in every window.
   void raise_rates(std::vector<float>& rates) const;
   [[nodiscard]] std::size_t touching() const { return touching_; }

@@ -116,7 +116,8 @@ StableSteps Simulation::stable_steps(double interval) const {
       particle_body_.stable_step(parts_.infill->particles(), parts_.bodies, interval, !has_carpet());
   if (!has_carpet())  // the infill alone sets the window
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
-  return {parts_.carpet->stable_step(), infill, touching, parts_.carpet->subcycle_ratio()};
+  const double contact = std::min(touching, particle_shell_.stable_step(parts_.infill->particles()));
+  return {parts_.carpet->stable_step(), infill, contact, parts_.carpet->subcycle_ratio()};
 }
 
 void Simulation::advance_interval(double interval) {

@@ -58,6 +58,7 @@ struct StripCase {
   FrictionLaw friction{0.4, 0.6, 300};
   double window = 0;
   double coupling_particle_stiffness = 1e5;
+  double body_stiffness = 0;  ///< N/m, of particles against bodies; 0: as against shells
   double release_time = 0.002;
   bool release = true;
   Vec3 gravity{0, 0, 0};
@@ -91,7 +92,8 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
   parts.particle_shell.friction.assign(n, setup.friction);
   parts.particle_shell.skip_pairs_apart = !setup.look_at_all;
-  parts.particle_body = {std::vector<NormalSpring>(n, {setup.coupling_particle_stiffness}),
+  parts.particle_body = {std::vector<NormalSpring>(n, {setup.body_stiffness > 0 ? setup.body_stiffness
+                                                                               : setup.coupling_particle_stiffness}),
                          parts.particle_shell.damping_ratio, parts.particle_shell.friction};
   parts.node_body.spring.assign(nodes, {1e4});
   parts.node_body.damping_ratio.assign(nodes, 0);
