@@ -181,8 +181,8 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
       {"sleep_tolerance", "strain of waves under which SPH infill at rest is not computed; 0: all is"},
       numerics.sleep_tolerance, {0, 1, false, true});
   keys.integer({"individual_steps",
-                "steps of the run, 2, 4 or 8, that a step of SPH particles in soft layers may last; 1: one"},
-               numerics.individual_steps, {1, 8, false, false});
+                "steps of the run, 2, 4, 8 or 16, that a step of SPH particles in soft layers may last; 1: one"},
+               numerics.individual_steps, {1, 16, false, false});
   keys.quantity(
       {"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
       numerics.coupling_window, "s", non_negative);

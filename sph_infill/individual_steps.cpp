@@ -65,7 +65,7 @@ float rate_around(double reach, const NeighbourList& list, const Particles& p, s
 IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particles)
     : largest_(largest), safety_(safety), particles_(particles) {
   if (largest < 1 || largest > most || (largest & (largest - 1)) != 0)
-    throw_input_error("numerics.individual_steps is {}; it must be 1, 2, 4 or {}", largest, most);
+    throw_input_error("numerics.individual_steps is {}; it must be 1, 2, 4, 8 or {}", largest, most);
   if (!enabled()) return;
   const std::size_t count = (particles + lanes - 1) / lanes;
   for (auto* values : {&period_, &kick_period_, &pace_}) values->assign(count, 1);
@@ -154,7 +154,7 @@ void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, dou
   }
 }
 
-// Once is enough: what is held to four times the smallest period does not hold others of up to eight.
+// Once is enough: what is held to four times the smallest period does not hold others of up to sixteen.
 void IndividualSteps::limit_ratios(const NeighbourList& list) {
   const std::vector<std::uint8_t> smallest = smallest_around(list, period_);
   for (std::size_t g = 0; g < groups(); ++g)

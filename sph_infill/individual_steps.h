@@ -1,6 +1,6 @@
 #pragma once
-/// Individual steps: particles of soft layers are kicked every 2, 4 or 8 steps of the run, each time by
-/// as much.
+/// Individual steps: particles of soft layers are kicked every 2, 4, 8 or 16 steps of the run, each time
+/// by as much.
 ///
 /// A step of the run is as long as the stiffest particle bears. Particles go by groups of as many as there
 /// are lanes; a group has a period P, a power of two: it is kicked in the steps whose number P divides, with
@@ -30,8 +30,7 @@ struct Particles;
 
 class IndividualSteps {
  public:
-  /// With periods of 16 steps a struck bed gained 2.8 % of its energy (docs/theory/sph.md).
-  static constexpr int most = 8;
+  static constexpr int most = 16;
 
   IndividualSteps() = default;
   /// largest: longest period, a power of two up to `most`; 1: all particles take every step, at no cost.

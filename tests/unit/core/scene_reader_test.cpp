@@ -403,8 +403,8 @@ TEST(SceneMistakes, IndividualStepsThatAreNoPowerOfTwoOrMeetSleep) {
   };
   EXPECT_EQ(with({{"numerics.individual_steps", "8"}}), "");
   EXPECT_THAT(with({{"numerics.individual_steps", "6"}}),
-              HasSubstr("is 6; give 1, 2, 4 or 8"));
-  EXPECT_THAT(with({{"numerics.individual_steps", "16"}}), HasSubstr("numerics.individual_steps"));
+              HasSubstr("is 6; give 1, 2, 4, 8 or 16"));
+  EXPECT_THAT(with({{"numerics.individual_steps", "32"}}), HasSubstr("numerics.individual_steps"));
   EXPECT_THAT(with({{"numerics.individual_steps", "2"}, {"numerics.sleep_tolerance", "1e-4"}}),
               HasSubstr("cannot be combined with numerics.sleep_tolerance"));
 }

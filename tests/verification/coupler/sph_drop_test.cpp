@@ -80,7 +80,7 @@ TEST(SphDrop, GivesTheSameBitsWithOneAndTwoThreads) {
 
 /// Without fibres, beside which every particle is kicked in every step.
 const Overrides individual_steps{
-    {"effects.fibres", "false"}, {"numerics.individual_steps", "8"}, {"scene.duration", "12 ms"}};
+    {"effects.fibres", "false"}, {"numerics.individual_steps", "16"}, {"scene.duration", "12 ms"}};
 
 TEST(SphDrop, WithIndividualStepsHasTheSamePeakAndBalancesForFewerParticleSteps) {
   Overrides one_step = individual_steps;

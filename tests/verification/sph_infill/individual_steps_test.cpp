@@ -257,8 +257,8 @@ TEST(IndividualSteps, AreNotTakenWithinAWindowOfSeveral) {
   EXPECT_EQ(block.infill.particle_steps() - before, 4 * block.lattice.position.size());
 }
 
-TEST(IndividualSteps, OtherThanPowersOfTwoUpToEightAreRefused) {
-  for (const int wrong : {0, 3, 16}) EXPECT_THROW(IndividualSteps(wrong, 0.8, 100), InputError) << wrong;
+TEST(IndividualSteps, OtherThanPowersOfTwoUpToSixteenAreRefused) {
+  for (const int wrong : {0, 3, 32}) EXPECT_THROW(IndividualSteps(wrong, 0.8, 100), InputError) << wrong;
 }
 
 TEST(IndividualSteps, AndSleepTogetherAreRefused) {
