@@ -110,16 +110,6 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
   body.load = force;
 }
 
-StableSteps Simulation::stable_steps(double interval) const {
-  const double infill = parts_.infill->stable_step();
-  const double touching =
-      particle_body_.stable_step(parts_.infill->particles(), parts_.bodies, interval, !has_carpet());
-  if (!has_carpet())  // the infill alone sets the window
-    return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
-  const double contact = std::min(touching, particle_shell_.stable_step(parts_.infill->particles()));
-  return {parts_.carpet->stable_step(), infill, contact, parts_.carpet->subcycle_ratio()};
-}
-
 void Simulation::advance_interval(double interval) {
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
   plan_ = next_plan(interval);
@@ -142,33 +132,6 @@ void Simulation::advance_interval(double interval) {
     referenced_ = true;
   }
   ledger_.enter(time_, energy_terms(), describe_fastest());
-}
-
-/// Steps are shortened at once, but lengthened only where they will stay so: each change costs accuracy.
-StepPlan Simulation::next_plan(double interval) const {
-  constexpr double margin = 0.85;
-  const auto plan_for = [&](const StableSteps& stable) {
-    return plan_steps(stable, parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
-  };
-  StableSteps stable = stable_steps(interval);
-  const StepPlan plan = plan_for(stable);
-  const bool same_interval = std::abs(plan_.windows * plan_.window - interval) < 1e-9 * interval;
-  if (!same_interval || plan.windows >= plan_.windows || plan.carpet_subcycle != plan_.carpet_subcycle)
-    return plan;
-  stable.carpet *= margin, stable.infill *= margin, stable.contact *= margin;
-  return plan_for(stable).windows < plan_.windows ? plan : plan_;
-}
-
-void Simulation::tell_contact_rates(double interval) {
-  if (!parts_.infill->has_individual_steps()) return;
-  const ScopedPhase phase(timers_, Phase::contact);
-  // They hold until the next interval, and a step begun in it may last longer.
-  const double horizon = interval + parts_.numerics.individual_steps * plan_.window;
-  const ParticleView particles = parts_.infill->particles();
-  contact_rates_.assign(particles.size(), 0);
-  particle_body_.raise_rates(particles, parts_.bodies, horizon, !has_carpet(), contact_rates_);
-  particle_shell_.raise_rates(contact_rates_);
-  parts_.infill->set_contact_rates(contact_rates_);
 }
 
 double Simulation::release_at(double time) const {

@@ -97,7 +97,7 @@ class Simulation {
   void load(const h5::Group& group);
 
  private:
-  [[nodiscard]] StepPlan next_plan(double interval) const;
+  [[nodiscard]] StepPlan next_plan(double interval);
   void advance_window(bool last);
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   void step_carpet();
@@ -125,6 +125,7 @@ class Simulation {
   EnergyLedger ledger_;
   PhaseTimers timers_;
   StepPlan plan_;
+  int bears_longer_steps_ = 0;  ///< intervals in a row
 
   Vec3Array node_force_;
   /// Where the infill takes n > 1 steps in a window W, contact sees it a little ahead, at

@@ -127,6 +127,7 @@ void Simulation::save(h5::Group& group) {
                                     carpet_balance_,
                                     infill_balance_};
   group.write("numbers", std::span<const double>(numbers));
+  group.write_scalar("bears_longer_steps", static_cast<std::uint64_t>(bears_longer_steps_));
   group.write_scalar("windows", windows_);
   group.write_scalar("searches", searches_);
   group.write_scalar("reference_valid", static_cast<std::uint64_t>(reference_.valid ? 1 : 0));
@@ -186,6 +187,7 @@ void Simulation::load(const h5::Group& group) {
   plan_ = {count(15), count(16), count(17), numbers.at(14), count(18)};
   carpet_balance_ = numbers.at(19);
   infill_balance_ = numbers.at(20);
+  bears_longer_steps_ = static_cast<int>(group.read_count("bears_longer_steps"));
   windows_ = group.read_count("windows");
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");

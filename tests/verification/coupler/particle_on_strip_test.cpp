@@ -129,6 +129,28 @@ TEST(BallInABowlAlone, IsSteppedAsItsContactWithShellsBearsWhereNothingElseBound
   EXPECT_LT(imbalance, 2e-7 * (0.5 * 1.13 + 1000 * 0.003));
 }
 
+TEST(StepsOfARun, AreShortenedAtOnceAndLengthenedWithAMarginOrWhereTheyHaveFitForFiftyIntervals) {
+  auto balls = three_balls(0);
+  PointInfill& infill = *balls;
+  StripCase setup;
+  setup.clamp = true;
+  setup.coupling_particle_stiffness = 1;
+  Simulation s = make(setup, std::move(balls));
+  const auto windows_after = [&](double stable, int intervals) {
+    infill.step = stable;
+    for (int i = 0; i < intervals; ++i) s.advance_interval(1e-4);
+    return s.step_plan().windows;
+  };
+  const double three = 5e-5, two = 6.5e-5, two_with_margin = 8e-5;  // times step_safety 0.8
+  EXPECT_EQ(windows_after(three, 1), 3);
+  EXPECT_EQ(windows_after(two, 49), 3);
+  EXPECT_EQ(windows_after(three, 1), 3) << "they begin anew";
+  EXPECT_EQ(windows_after(two, 49), 3);
+  EXPECT_EQ(windows_after(two, 1), 2);
+  EXPECT_EQ(windows_after(three, 1), 3);
+  EXPECT_EQ(windows_after(two_with_margin, 1), 2);
+}
+
 TEST(WindowOfSeveralInfillSteps, BooksWorkOverTheWindowsDisplacementSoThatTheErrorFallsWithTheWindow) {
   double error[2], lost[2];
   int k = 0;
