@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
@@ -211,10 +212,13 @@ std::vector<double> BodyContact::stable_steps(const ParticleView& points,
   return steps;
 }
 
-double BodyContact::stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
-                                double horizon, bool with_dashpots) const {
-  const std::vector<double> steps = stable_steps(points, bodies, horizon, with_dashpots);
-  return *std::min_element(steps.begin(), steps.end());
+void BodyContact::leave_near(std::vector<double>& steps) const {
+  std::vector<double> near(steps.size(), std::numeric_limits<double>::infinity());
+  for (const PairKey key : keys_) {
+    const auto i = static_cast<std::size_t>(key_point(key));
+    near[i] = steps[i];
+  }
+  steps = std::move(near);
 }
 
 void BodyContact::raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,

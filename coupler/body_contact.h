@@ -52,17 +52,21 @@ class BodyContact {
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
-  /// Largest stable step of the contacts alone, s, over the coming `horizon` (s): 2/omega. Of the springs
-  /// that stiffen only those near a body count, with the overlap that they will have at the end of it as they
-  /// close in now; before the first search, all with the most they can stiffen. `with_dashpots`:
-  /// (2/omega)(sqrt(1 + zeta^2) - zeta), for the dashpot's force is taken from the velocity half a step
-  /// before; and a point between several bodies feels the tangential springs of the others beside the normal
-  /// one.
-  [[nodiscard]] double stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
-                                   double horizon, bool with_dashpots) const;
+  /// Largest stable step of each point's contacts alone, s, over the coming `horizon` (s): 2/omega, infinite
+  /// where nothing is near. Of the springs that stiffen only those near a body count, with the overlap that
+  /// they will have at the end of it as they close in now; before the first search, all with the most they
+  /// can stiffen. `with_dashpots`: (2/omega)(sqrt(1 + zeta^2) - zeta), for the dashpot's force is taken from
+  /// the velocity half a step before; and a point between several bodies feels the tangential springs of the
+  /// others beside the normal one.
+  [[nodiscard]] std::vector<double> stable_steps(const ParticleView& points,
+                                                 const std::vector<RigidBody>& bodies, double horizon,
+                                                 bool with_dashpots) const;
 
-  /// Raises `rates` (1/s, one a point) to what points near a body need: the inverse of `stable_step` for each
-  /// alone, infinite beside a body that can move.
+  /// Of those steps, makes infinite what is of points far from all bodies.
+  void leave_near(std::vector<double>& steps) const;
+
+  /// Raises `rates` (1/s, one a point) to what points near a body need: the inverse of `stable_steps`,
+  /// infinite beside a body that can move.
   void raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
                    bool with_dashpots, std::vector<float>& rates) const;
 
@@ -84,11 +88,7 @@ class BodyContact {
   Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                               const std::vector<RigidBody>& bodies, double dt, double release,
                               double release_before);
-  /// Per point, s, see stable_step; infinite where nothing is near.
-  [[nodiscard]] std::vector<double> stable_steps(const ParticleView& points,
-                                                 const std::vector<RigidBody>& bodies, double horizon,
-                                                 bool with_dashpots) const;
-  /// Per point, N/m: the stiffest that its springs will be, see stable_step.
+  /// Per point, N/m: the stiffest that its springs will be, see stable_steps.
   [[nodiscard]] std::vector<double> coming_stiffness(const ParticleView& points,
                                                      const std::vector<RigidBody>& bodies,
                                                      double horizon) const;

@@ -196,25 +196,29 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
   softening_ = touching_ > 0 ? softening / static_cast<double>(touching_) : 1.0;
 }
 
-double ParticleShellContact::stable_step(const ParticleView& particles) const {
+void ParticleShellContact::shorten_steps(const ParticleView& particles, std::vector<double>& steps) const {
   constexpr double where_six_meet = 1.25 * 1.25;
-  double rate_squared = 0;
+  if (first_element_.empty()) return;           // nothing has been looked for yet
   for (std::size_t g = 0; g < keys_.size();) {  // sorted by particle
     const Index p = key_point(keys_[g]);
-    double touched = 0, next = 0;
+    double touched = 0, roots = 0, next = 0;
     for (; g < keys_.size() && key_point(keys_[g]) == p; ++g) {
       double k = 0;
       for (std::size_t s = first_element_[g]; s < first_element_[g + 1]; ++s)
         k = std::max(k, stiffness(p, particles.radius[p], elements_[s]));
-      if (histories_[g].side != 0)
-        touched += k;
+      if (histories_[g].side != 0 || histories_[g].offset > 0)
+        touched += k, roots += std::sqrt(k);
       else
         next = std::max(next, k);
     }
-    const double zeta = settings_.damping_ratio[p], share = std::sqrt(1 + zeta * zeta) - zeta;
-    rate_squared = std::max(rate_squared, (touched + next) / (particles.mass[p] * share * share));
+    const double k = touched + next;
+    if (!(k > 0)) continue;
+    // Dashpots add up, each critical for its own spring.
+    const double zeta = settings_.damping_ratio[p] * (roots + std::sqrt(next)) / std::sqrt(k);
+    const double share = std::sqrt(1 + zeta * zeta) - zeta;
+    const double step = 2 * share * std::sqrt(particles.mass[p] / (where_six_meet * k));
+    steps[p] = 1 / std::hypot(1 / steps[p], 1 / step);
   }
-  return 2 / std::sqrt(where_six_meet * rate_squared);
 }
 
 void ParticleShellContact::raise_rates(std::vector<float>& rates) const {

@@ -116,12 +116,19 @@ void Simulation::advance_interval(double interval) {
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
   tell_contact_rates(interval);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
-  const double start = time_;
+  const double end = time_ + interval;
+  double start = time_;
   for (int w = 0; w < plan_.windows; ++w) {
     time_ = start + w * plan_.window;
-    advance_window(w + 1 == plan_.windows);
+    const std::uint64_t searches = searches_;
+    const int left = plan_.windows - (w + 1);
+    advance_window(left == 0);
+    if (searches_ == searches || left == 0) continue;
+    // What has been found may bear less.
+    const double next = start + (w + 1) * plan_.window;
+    if (shorten_rest(left * plan_.window)) start = next, w = -1;
   }
-  time_ = start + interval;
+  time_ = end;
   const ScopedPhase phase(timers_, Phase::ledger);
   if (!parts_.infill->energy_is_current()) return;
   carpet_balance_ = carpet_balance();

@@ -98,6 +98,8 @@ class Simulation {
 
  private:
   [[nodiscard]] StepPlan next_plan(double interval);
+  /// Plans the rest of an interval (s) anew if its windows have become too long; whether they have.
+  bool shorten_rest(double rest);
   void advance_window(bool last);
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   void step_carpet();
@@ -125,7 +127,7 @@ class Simulation {
   EnergyLedger ledger_;
   PhaseTimers timers_;
   StepPlan plan_;
-  int bears_longer_steps_ = 0;  ///< intervals in a row
+  int bears_longer_steps_ = 0;  ///< intervals in a row that would bear fewer windows, see next_plan
 
   Vec3Array node_force_;
   /// Where the infill takes n > 1 steps in a window W, contact sees it a little ahead, at

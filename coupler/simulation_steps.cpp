@@ -16,31 +16,47 @@ constexpr int patience = 50;
 
 StableSteps Simulation::stable_steps(double interval) const {
   const double infill = parts_.infill->stable_step();
-  const double touching =
-      particle_body_.stable_step(parts_.infill->particles(), parts_.bodies, interval, !has_carpet());
+  const ParticleView particles = parts_.infill->particles();
+  std::vector<double> steps = particle_body_.stable_steps(particles, parts_.bodies, interval, !has_carpet());
+  double touching = *std::min_element(steps.begin(), steps.end());
+  particle_body_.leave_near(steps);  // of what touches both the springs add up
+  particle_shell_.shorten_steps(particles, steps);
+  touching = std::min(touching, *std::min_element(steps.begin(), steps.end()));
   if (!has_carpet())  // the infill alone sets the window
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
-  const double contact = std::min(touching, particle_shell_.stable_step(parts_.infill->particles()));
-  return {parts_.carpet->stable_step(), infill, contact, parts_.carpet->subcycle_ratio()};
+  return {parts_.carpet->stable_step(), infill, touching, parts_.carpet->subcycle_ratio()};
 }
 
 /// Steps are shortened at once, but lengthened only where they are likely to stay so: each change costs
 /// accuracy.
 StepPlan Simulation::next_plan(double interval) {
-  const auto plan_for = [&](const StableSteps& stable) {
-    return plan_steps(stable, parts_.numerics.step_safety, parts_.numerics.coupling_window, interval);
-  };
-  StableSteps stable = stable_steps(interval);
-  const StepPlan plan = plan_for(stable);
+  const double safety = parts_.numerics.step_safety, asked = parts_.numerics.coupling_window;
+  const StableSteps stable = stable_steps(interval);
+  const StepPlan plan = plan_steps(stable, safety, asked, interval);
   const bool same_interval = std::abs(plan_.windows * plan_.window - interval) < 1e-9 * interval;
   if (!same_interval || plan.windows >= plan_.windows || plan.carpet_subcycle != plan_.carpet_subcycle) {
     bears_longer_steps_ = 0;
     return plan;
   }
-  stable.carpet *= at_once, stable.infill *= at_once, stable.contact *= at_once;
-  if (plan_for(stable).windows >= plan_.windows && ++bears_longer_steps_ < patience) return plan_;
+  StableSteps less = stable;
+  less.carpet *= at_once, less.infill *= at_once, less.contact *= at_once;
+  // The windows stay; steps within them follow what each part bears now.
+  if (plan_steps(less, safety, asked, interval).windows >= plan_.windows && ++bears_longer_steps_ < patience)
+    return plan_steps(stable, safety, plan_.window, interval);
   bears_longer_steps_ = 0;
   return plan;
+}
+
+bool Simulation::shorten_rest(double rest) {
+  // Slow elements of the carpet are evaluated in the last of its steps, which are counted from the interval's
+  // start.
+  if (plan_.carpet_subcycle > 1) return false;
+  const StepPlan plan =
+      plan_steps(stable_steps(rest), parts_.numerics.step_safety, parts_.numerics.coupling_window, rest);
+  if (!(plan.window < (1 - 1e-9) * plan_.window)) return false;
+  plan_ = plan;
+  tell_contact_rates(rest);
+  return true;
 }
 
 void Simulation::tell_contact_rates(double interval) {

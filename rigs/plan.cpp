@@ -110,9 +110,10 @@ double time_intervals(const Scene& scene, RunState& state) {
 void plan_conditioning(RunPlan& plan, const Scene& scene) {
   RunState state = make_run_state(scene, nullptr, 0, {});
   const std::uint64_t intervals = state.schedule.conditioned();
-  take_steps(plan, state.simulation().stable_steps(state.schedule.interval), scene, state.schedule.interval, intervals);
-  const std::uint64_t windows = plan.windows;
   const double wall = time_intervals(scene, state) * static_cast<double>(intervals);
+  take_steps(plan, state.simulation().stable_steps(state.schedule.interval), scene, state.schedule.interval,
+             intervals);
+  const std::uint64_t windows = plan.windows;
   plan.predicted_wall_s += wall;
   plan.remarks.push_back(fmt::format(
       "conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres "
@@ -133,8 +134,9 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
   remark_on_mass_scaling(plan, carpet.mass_scaling());
   take_group_steps(plan, carpet, scene.numerics.step_safety);
   const std::uint64_t intervals = schedule.end - schedule.conditioned();
-  take_steps(plan, simulation.stable_steps(schedule.interval), scene, schedule.interval, intervals);
   plan.predicted_wall_s += time_intervals(scene, state) * static_cast<double>(intervals);
+  // After the first intervals: which contacts bound the step is not known before.
+  take_steps(plan, simulation.stable_steps(schedule.interval), scene, schedule.interval, intervals);
   plan.predicted_memory_bytes = peak_memory_bytes(0);
   const auto& shell = simulation.particle_shell();
   if (shell.initial_overlap().pairs > 0)

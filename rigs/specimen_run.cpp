@@ -44,7 +44,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-constexpr CheckpointFormat specimen_format{"specimen_format", 1};
+constexpr CheckpointFormat specimen_format{"specimen_format", 2};
 
 /// Where a run stands, beside the test at hand and its simulation.
 struct Tally {

@@ -73,7 +73,10 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   settings.artificial_viscosity = given.artificial_viscosity;
   settings.soil_effects = given.soil_effects;
   settings.zero_energy_control = given.zero_energy_control;
-  settings.step_limit = make_step_limit(given.options, lattice.pitch, given.artificial_viscosity, given.zero_energy_control);
+  settings.step_limit = make_step_limit(given.options, lattice.pitch, given.artificial_viscosity,
+                                        given.zero_energy_control);
+  // Particles on walls stand for parts of a cell, as specimens give them: they are not squeezed.
+  if (!lattice.radius.empty()) settings.step_limit.lattice_volume = 0;
   gravity = given.gravity;
   box = given.box;
   kick_length = given.kick_length;

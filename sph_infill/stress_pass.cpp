@@ -178,12 +178,13 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const Pack modulus = state.bulk_modulus * (1.0 + 4.0 / 3.0 * law.value(&SoilLaw::shear_ratio));
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
   const RowMobility row = row_mobility(sums, correction, Pack(1.0) / mass);
-  const Pack frequency =
-      stdx::sqrt(modulus * volume *
-                 largest_mobility(settings.step_limit, row.neighbours, row.own, volume));
+  const Pack frequency = stdx::sqrt(modulus * volume *
+                                    largest_mobility(settings.step_limit, row.neighbours, row.own, volume,
+                                                     load_lanes(p.reference_volume, i, count)));
   const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
   const Pack stable =
-      particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)));
+      particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)),
+                           share_inside(row.neighbours, row.own));
   total.stable_step = stdx::min(total.stable_step, stable);
   if (!p.own_step.empty())
     for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);

@@ -49,7 +49,7 @@ class PointAboveFloor : public testing::Test {
     contact_.search(view(), bodies_, radius, false);
   }
   [[nodiscard]] double stable_step(double horizon) const {
-    return contact_.stable_step(view(), bodies_, horizon, false);
+    return contact_.stable_steps(view(), bodies_, horizon, false).front();
   }
   void evaluate() {
     Vec3Array linear;

@@ -25,7 +25,7 @@ class PointInfill final : public Infill {
   [[nodiscard]] std::string_view approach() const override { return "point"; }
   [[nodiscard]] ParticleView particles() const override {
     return {position.x, position.y, position.z, velocity.x, velocity.y, velocity.z, {},
-            {},         {},         radius_,    mass_,      layer_,     material_, {}};
+            {},         {},         radius_,    mass_,      layer_,     material_,  {}};
   }
   [[nodiscard]] double stable_step() const override { return step; }
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override {

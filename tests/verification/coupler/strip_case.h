@@ -92,9 +92,10 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
   parts.particle_shell.friction.assign(n, setup.friction);
   parts.particle_shell.skip_pairs_apart = !setup.look_at_all;
-  parts.particle_body = {std::vector<NormalSpring>(n, {setup.body_stiffness > 0 ? setup.body_stiffness
-                                                                               : setup.coupling_particle_stiffness}),
-                         parts.particle_shell.damping_ratio, parts.particle_shell.friction};
+  parts.particle_body = {
+      std::vector<NormalSpring>(
+          n, {setup.body_stiffness > 0 ? setup.body_stiffness : setup.coupling_particle_stiffness}),
+      parts.particle_shell.damping_ratio, parts.particle_shell.friction};
   parts.node_body.spring.assign(nodes, {1e4});
   parts.node_body.damping_ratio.assign(nodes, 0);
   parts.node_body.friction.assign(nodes, {});

@@ -14,11 +14,12 @@ constexpr double pitch = 0.002;
 struct Case {
   test::Preset preset;
   double jitter, squeeze;
-  double zeta = 0;  ///< of the control of zero-energy modes
+  double zeta = 0;   ///< of the control of zero-energy modes
+  double alpha = 0;  ///< of artificial viscosity
 
   friend void PrintTo(const Case& c, std::ostream* os) {
     PrintTo(c.preset, os);
-    *os << " jitter " << c.jitter << " squeeze " << c.squeeze << " zeta " << c.zeta;
+    *os << " jitter " << c.jitter << " squeeze " << c.squeeze << " zeta " << c.zeta << " alpha " << c.alpha;
   }
 };
 
@@ -26,7 +27,9 @@ SphSettings settings_of(const Case& c) {
   SphSettings settings;
   settings.options = test::options_of(c.preset, pitch);
   settings.gravity = {0, 0, 0};
-  settings.artificial_viscosity = false;
+  settings.artificial_viscosity = c.alpha > 0;
+  settings.options.viscosity_linear = c.alpha;
+  settings.options.viscosity_quadratic = 0;
   settings.zero_energy_control = c.zeta > 0;
   settings.options.zero_energy_viscosity = c.zeta;
   return settings;
@@ -100,10 +103,13 @@ class StableStepOfStiffPart : public testing::TestWithParam<std::tuple<Case, Sti
 };
 INSTANTIATE_TEST_SUITE_P(
     Stiff, StableStepOfStiffPart,
-    testing::Combine(testing::Values(Case{test::Preset::accurate, 0, 1}, Case{test::Preset::accurate, 0.1, 0.8},
-                                     Case{test::Preset::fast, 0.1, 1}, Case{test::Preset::fast, 0, 0.8},
-                                     Case{test::Preset::paper, 0.1, 1}, Case{test::Preset::paper, 0, 0.8}),
-                     testing::Values(Stiff::core, Stiff::layer_in_the_middle, Stiff::layer_on_top)));
+    testing::Combine(
+        testing::Values(Case{test::Preset::accurate, 0, 1}, Case{test::Preset::accurate, 0.1, 0.8},
+                        Case{test::Preset::fast, 0.1, 1}, Case{test::Preset::fast, 0, 0.8},
+                        Case{test::Preset::paper, 0.1, 1}, Case{test::Preset::paper, 0, 0.8},
+                        Case{test::Preset::accurate, 0, 1, 0.3}, Case{test::Preset::fast, 0.1, 1, 0.3},
+                        Case{test::Preset::accurate, 0, 1, 0, 1}, Case{test::Preset::paper, 0, 1, 0, 1}),
+        testing::Values(Stiff::core, Stiff::layer_in_the_middle, Stiff::layer_on_top)));
 
 // Rows that are wholly surrounded act together, as those at a surface hardly do: a step that surfaces bear is
 // not one for the inside.
