@@ -9,8 +9,8 @@
 ///
 /// of its own: 0 where the neighbourhood is full, the larger of the two at a free surface. The row alone says
 /// V_i M (R + S). But inside a body neighbouring rows act together: a plane wave, of which a row sees
-/// |sum_j V_j B g_ij sin(k.x_ij)|, drives kappa times as fast as the row alone, kappa = 2.1 with 80
-/// neighbours and 1.4 with 18; at a surface or an edge they hardly do. So
+/// |sum_j V_j B g_ij sin(k.x_ij)|, drives kappa times as fast as the row alone, kappa = 2.05 with 80
+/// neighbours and 1.41 with 18; at a surface or an edge they hardly do. So
 ///
 ///   omega_i^2 = V_i M (kappa^2 max(1, V_0/V_i) R / (1 + S/R)^2 + 2.05 S)
 ///
@@ -20,8 +20,8 @@
 /// lattice and thrown off it by 0.1 and 0.2 pitch; squeezed by 20 and 40 %; uniform, and with a layer of 50
 /// times the stiffness in the middle or on top. omega/max omega_i = 0.57-1.00 (h = 1.3 pitch, Wendland C2),
 /// 0.61-1.03 (h = pitch, cubic spline), 0.52-1.01 (h = 0.71 pitch): the low ones are thin stiff layers. The
-/// row alone, with one factor for all, is off by 0.73-2.21: what was stable at a free surface shook the
-/// inside of a bed apart. docs/theory/sph.md, tests/verification/sph_infill/stable_step_test.cpp.
+/// row alone, with one factor for all, is off by 0.73-2.21 (all presets): what was stable at a free surface shook the
+/// inside of a bed apart. docs/theory/sph.md, tests/verification/sph_infill/stability_test.cpp.
 #include <cmath>
 #include <type_traits>
 

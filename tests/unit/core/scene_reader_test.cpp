@@ -402,6 +402,7 @@ TEST(SceneMistakes, IndividualStepsThatAreNoPowerOfTwoOrMeetSleep) {
     return std::string();
   };
   EXPECT_EQ(with({{"numerics.individual_steps", "8"}}), "");
+  EXPECT_EQ(with({{"numerics.individual_steps", "16"}}), "");
   EXPECT_THAT(with({{"numerics.individual_steps", "6"}}),
               HasSubstr("is 6; give 1, 2, 4, 8 or 16"));
   EXPECT_THAT(with({{"numerics.individual_steps", "32"}}), HasSubstr("numerics.individual_steps"));
