@@ -117,16 +117,12 @@ void Simulation::advance_interval(double interval) {
   tell_contact_rates(interval);
   std::fill(interval_impulse_.begin(), interval_impulse_.end(), Vec3::Zero());
   const double end = time_ + interval;
-  double start = time_;
-  for (int w = 0; w < plan_.windows; ++w) {
-    time_ = start + w * plan_.window;
+  for (int left = plan_.windows; left > 0;) {
+    time_ = end - left * plan_.window;
     const std::uint64_t searches = searches_;
-    const int left = plan_.windows - (w + 1);
-    advance_window(left == 0);
-    if (searches_ == searches || left == 0) continue;
-    // What has been found may bear less.
-    const double next = start + (w + 1) * plan_.window;
-    if (shorten_rest(left * plan_.window)) start = next, w = -1;
+    advance_window(--left == 0);
+    // What a search has found may bear less.
+    if (left > 0 && searches_ != searches && shorten_rest(left * plan_.window)) left = plan_.windows;
   }
   time_ = end;
   const ScopedPhase phase(timers_, Phase::ledger);

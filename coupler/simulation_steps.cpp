@@ -33,15 +33,15 @@ StepPlan Simulation::next_plan(double interval) {
   const double safety = parts_.numerics.step_safety, asked = parts_.numerics.coupling_window;
   const StableSteps stable = stable_steps(interval);
   const StepPlan plan = plan_steps(stable, safety, asked, interval);
-  const bool same_interval = std::abs(plan_.windows * plan_.window - interval) < 1e-9 * interval;
-  if (!same_interval || plan.windows >= plan_.windows || plan.carpet_subcycle != plan_.carpet_subcycle) {
+  if (!(plan.window > (1 + 1e-9) * plan_.window) || plan_.window == 0) {
     bears_longer_steps_ = 0;
     return plan;
   }
   StableSteps less = stable;
   less.carpet *= at_once, less.infill *= at_once, less.contact *= at_once;
-  // The windows stay; steps within them follow what each part bears now.
-  if (plan_steps(less, safety, asked, interval).windows >= plan_.windows && ++bears_longer_steps_ < patience)
+  const bool bears_margin = plan_steps(less, safety, asked, interval).window > (1 + 1e-9) * plan_.window;
+  // Windows stay as long as they are; steps within them follow what each part bears now.
+  if (!bears_margin && ++bears_longer_steps_ < patience)
     return plan_steps(stable, safety, plan_.window, interval);
   bears_longer_steps_ = 0;
   return plan;

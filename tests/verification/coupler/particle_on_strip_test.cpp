@@ -149,6 +149,62 @@ TEST(StepsOfARun, AreShortenedAtOnceAndLengthenedWithAMarginOrWhereTheyHaveFitFo
   EXPECT_EQ(windows_after(two, 1), 2);
   EXPECT_EQ(windows_after(three, 1), 3);
   EXPECT_EQ(windows_after(two_with_margin, 1), 2);
+  EXPECT_EQ(windows_after(three, 1), 3);
+  EXPECT_EQ(windows_after(three, 60), 3);
+  EXPECT_EQ(windows_after(two, 49), 3) << "that steps fit as they are is not that longer ones would";
+  EXPECT_EQ(windows_after(three, 1), 3);
+  infill.step = two;
+  s.advance_interval(5e-5);
+  EXPECT_EQ(s.step_plan().windows, 2) << "another interval is no reason for one window, longer than the last";
+}
+
+/// A ball under a held strip, touching it where `gap` is negative, a floor `to_floor` under the ball and
+/// where `between` the like of the strip as far below.
+double contact_step(double gap, double to_floor, double damping_ratio, bool between = false) {
+  auto ball = std::make_unique<PointInfill>();
+  ball->add(Vec3(0.001, 0, -(2.5e-4 + 0.002 + gap)), Vec3::Zero(), 0.002, 2e-5);
+  StripCase setup;
+  setup.clamp = true;
+  setup.damping_ratio = damping_ratio;
+  setup.coupling_particle_stiffness = 10;
+  setup.body_stiffness = 3;
+  setup.floor = ball->position.z[0] - 0.002 - to_floor;
+  if (between) setup.second_sheet = 2 * ball->position.z[0];
+  setup.release = false;
+  Simulation s = make(setup, std::move(ball));
+  s.advance_interval(1e-6);
+  return s.stable_steps(1e-6).contact;
+}
+
+TEST(StepOfContacts, OfAParticleIsThatOfItsSpringsTogether) {
+  const auto bears = [](double k) { return 2 * std::sqrt(2e-5 / k); };
+  const double sheet = 1.5625 * 10, floor = 3, far = 0.01, near = 1e-4;
+  EXPECT_NEAR(contact_step(-near, far, 0) / bears(sheet), 1, 1e-12);
+  EXPECT_NEAR(contact_step(near, far, 0) / bears(sheet), 1, 1e-12) << "it may touch in the next window";
+  EXPECT_NEAR(contact_step(far, -near, 0) / bears(floor), 1, 1e-12);
+  EXPECT_NEAR(contact_step(-near, -near, 0) / bears(sheet + floor), 1, 1e-12);
+  const double zeta = 0.3, share = std::sqrt(1 + zeta * zeta) - zeta;
+  EXPECT_NEAR(contact_step(-near, far, zeta) / bears(sheet), share, 1e-12);
+  EXPECT_NEAR(contact_step(-near, far, 0, true) / bears(2 * sheet), 1, 1e-12);
+}
+
+TEST(BallInABowlAlone, ThatIsFoundWithinAnIntervalShortensTheRestOfIt) {
+  auto ball = std::make_unique<PointInfill>();
+  ball->add(Vec3(0.001, 0.0002, 0.012), Vec3(0, 0, -2), 0.002, 2e-7);
+  ball->step = 1e-4;  // four times what its contact bears
+  StripCase setup;
+  setup.in_bowl = true;
+  setup.friction = {0, 0, 0};
+  setup.coupling_particle_stiffness = 1000;
+  setup.body_stiffness = 1;
+  setup.release = false;
+  Simulation s = make(setup, std::move(ball));
+  s.advance_interval(2e-2);
+  EXPECT_LT(s.step_plan().window, 2 * std::sqrt(2e-7 / 1000));
+  EXPECT_NEAR(s.time(), 2e-2, 1e-15);
+  const ParticleView p = s.infill().particles();
+  EXPECT_GT(p.z[0], 0.012) << "it has come back";
+  EXPECT_NEAR(p.velocity(0).norm(), 2, 0.2);
 }
 
 TEST(WindowOfSeveralInfillSteps, BooksWorkOverTheWindowsDisplacementSoThatTheErrorFallsWithTheWindow) {

@@ -26,6 +26,24 @@ inline fe::ShellMesh strip(int n, double length, double width, double thickness,
   return mesh;
 }
 
+/// Adds a copy of the only sheet of `mesh`, `height` above it.
+inline void add_strip(fe::ShellMesh& mesh, double height) {
+  const std::size_t nodes = mesh.nodes.size(), quads = mesh.quads.size();
+  for (std::size_t i = 0; i < nodes; ++i) {
+    mesh.nodes.push_back(mesh.nodes[i] + Vec3(0, 0, height));
+    mesh.clamped.push_back(mesh.clamped[i]);
+  }
+  for (std::size_t e = 0; e < quads; ++e) {
+    auto quad = mesh.quads[e];
+    for (Index& corner : quad) corner += static_cast<Index>(nodes);
+    mesh.quads.push_back(quad);
+    mesh.thickness.push_back(mesh.thickness[e]);
+    mesh.material.push_back(mesh.material[e]);
+    mesh.surface.push_back(2);
+  }
+  mesh.surface_count = 3;
+}
+
 /// A held bowl of 7 x 7 facets of 2 mm: a pyramid standing on its tip, its nodes shifted so that every facet
 /// is warped and has a fold along its diagonal.
 inline fe::ShellMesh bowl(double thickness) {
@@ -67,7 +85,8 @@ struct StripCase {
   double softer_half = 0;  ///< Young's modulus of the half at larger x over the other's; 0: all the same
   bool subcycle = false;
   double mass_scaling_limit = 0;
-  std::optional<double> floor;  ///< m, height of a fixed plane
+  std::optional<double> floor;         ///< m, height of a fixed plane
+  std::optional<double> second_sheet;  ///< m, height of another strip like the first
 };
 
 inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infill) {
@@ -81,6 +100,7 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   material.failure_strain = setup.failure_strain;
   std::vector<ShellMaterial> materials{material};
   fe::ShellMesh mesh = setup.in_bowl ? bowl(5e-4) : strip(setup.elements, 0.04, 0.004, 5e-4, setup.clamp);
+  if (setup.second_sheet) add_strip(mesh, *setup.second_sheet);
   if (setup.softer_half > 0) {
     materials.push_back(material);
     materials.back().young_modulus *= setup.softer_half;
