@@ -15,7 +15,8 @@
 namespace tuft::rigs {
 namespace {
 
-constexpr int runs = 12;
+/// With a standard deviation of 0.3 g of 53 g the change of the means has a standard error of under 0.2 %.
+constexpr int runs = 24;
 
 struct Sample {
   double mean = 0, variance_of_mean = 0;  ///< g, g^2
@@ -61,7 +62,7 @@ TEST(SphDropOnTurf, HalvingTheStepChangesTheExpectedPeakByUnderOnePercent) {
               100 * change, 100 * error);
   EXPECT_LT(std::abs(change), 0.01);
   // Otherwise the runs scatter too much for the line above to mean anything.
-  EXPECT_LT(error, 0.004);
+  EXPECT_LT(error, 0.0025);
 }
 
 }  // namespace
