@@ -158,25 +158,29 @@ void check_dem_names(const Scene& scene, const Places& places) {
   }
 }
 
-/// Every layer must be usable with the approach that was chosen.
-void check_layers(const Scene& scene, const Places& places) {
-  for (std::size_t i = 0; i < scene.turf.layers.size(); ++i) {
-    const Material& material = scene.materials[static_cast<std::size_t>(scene.turf.layers[i].material)];
-    const std::string path = fmt::format("turf.layers.{}.material", i);
-    if (scene.infill.approach == Approach::sph && !material.continuum)
+/// The material that `path` names must be usable with the approach that was chosen.
+void check_infill_material(const Scene& scene, Index index, const std::string& path, const Places& places) {
+  const Material& material = scene.materials.at(static_cast<std::size_t>(index));
+  if (scene.infill.approach == Approach::sph) {
+    if (!material.continuum)
       places.fail(path, fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
-    if (scene.infill.approach == Approach::sph) continue;
-    if (material.grain_shares.empty())
-      places.fail(path,
-                  fmt::format("has neither [grain] nor [[grain_shares]] in {}, which approach \"dem\" needs",
-                              material.file));
-    for (const GrainShare& share : material.grain_shares) {
-      const Material& grain = scene.materials[static_cast<std::size_t>(share.material)];
-      if (!grain.grain)
-        places.fail(path,
-                    fmt::format("is made of \"{}\", which has no [grain] in {}", grain.name, grain.file));
-    }
+    return;
   }
+  if (material.grain_shares.empty())
+    places.fail(path,
+                fmt::format("has neither [grain] nor [[grain_shares]] in {}, which approach \"dem\" needs",
+                            material.file));
+  for (const GrainShare& share : material.grain_shares) {
+    const Material& grain = scene.materials[static_cast<std::size_t>(share.material)];
+    if (!grain.grain)
+      places.fail(path, fmt::format("is made of \"{}\", which has no [grain] in {}", grain.name, grain.file));
+  }
+}
+
+void check_layers(const Scene& scene, const Places& places) {
+  for (std::size_t i = 0; i < scene.turf.layers.size(); ++i)
+    check_infill_material(scene, scene.turf.layers[i].material, fmt::format("turf.layers.{}.material", i),
+                          places);
 }
 
 void check_tray(Scene& scene, const Places& places) {
@@ -264,13 +268,7 @@ void complete_specimen(Scene& scene, const Places& places) {
   if (rig.height == 0) rig.height = defaults.height;
   if (rig.speed == 0) rig.speed = defaults.speed;
   if (rig.sample_travel == 0) rig.sample_travel = defaults.sample_travel;
-  if (scene.infill.approach == Approach::dem)
-    places.fail("infill.approach", fmt::format("grains cannot fill the {} of rig \"{}\" yet; use \"sph\"",
-                                               ring ? "ring" : "box", scene.rig.type));
-  const auto& material = scene.materials.at(static_cast<std::size_t>(rig.material));
-  if (!material.continuum)
-    places.fail("rig.material",
-                fmt::format("has no [continuum] in {}, which approach \"sph\" needs", material.file));
+  check_infill_material(scene, rig.material, "rig.material", places);
   const std::vector<double>& loads = ring ? rig.preloads : rig.normal_stresses;
   const char* name = ring ? "preloads" : "normal_stresses";
   for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -340,6 +338,7 @@ void complete_scene(Scene& scene, const Places& places) {
   if (scene.rig.is_specimen()) {
     complete_sph(scene.infill.sph, places, true);
     complete_specimen(scene, places);
+    check_dem_names(scene, places);
     check_effects(scene, places);
     return;
   }

@@ -13,29 +13,9 @@
 namespace tuft::coupler {
 namespace {
 
-const Vec3 gravity(0, 0, -9.81);
-
 /// What a friction law comes to when its dependence on speed is switched off: the value of fast sliding.
 FrictionLaw friction_of(const FrictionLaw& law, bool with_rate) {
   return with_rate ? law : FrictionLaw{law.dynamic_coefficient, law.dynamic_coefficient, 0};
-}
-
-std::unique_ptr<Infill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
-                                  const sph::Lattice& lattice, const sph::TurfBox& box) {
-  sph::SphSettings settings = sph_settings(scene, effects);
-  settings.box = box;
-  return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
-}
-
-std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<EffectDecision>& effects,
-                                          const dem::Grains& grains) {
-  dem::DemSettings settings;
-  settings.options = scene.infill.dem;
-  settings.gravity = gravity;
-  settings.rolling_resistance = effect_on(effects, "rolling_resistance");
-  const sph::TurfBox box = turf_box(scene);
-  settings.box = {box.low, box.high};
-  return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
 }
 
 double penalty_of(const Scene& scene, const std::vector<EffectDecision>& effects, const Material& material,
@@ -43,26 +23,6 @@ double penalty_of(const Scene& scene, const std::vector<EffectDecision>& effects
   return scene.infill.approach == Approach::sph
              ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
              : dem_contact_stiffness(material, radius);
-}
-
-struct PointContact {
-  std::vector<double> stiffness, damping_ratio;
-  std::vector<FrictionLaw> fibre_friction, body_friction;
-};
-
-PointContact particle_contact(const Scene& scene, const std::vector<EffectDecision>& effects,
-                              const ParticleView& particles) {
-  const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
-  PointContact result;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Material& material = scene.materials[particles.material[i]];
-    const double radius = particles.radius[i];
-    result.stiffness.push_back(penalty_of(scene, effects, material, radius));
-    result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
-    result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
-    result.body_friction.push_back(friction_of(material.body_friction, with_rate));
-  }
-  return result;
 }
 
 /// Half the thickness of the thickest shell at each node.
@@ -83,11 +43,46 @@ double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::spa
   return top + clearance;
 }
 
-double smallest(std::span<const double> values) {
-  return *std::min_element(values.begin(), values.end());
+}  // namespace
+
+std::unique_ptr<sph::SphInfill> build_sph(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                          const sph::Lattice& lattice, const sph::TurfBox& box) {
+  sph::SphSettings settings = sph_settings(scene, effects);
+  settings.box = box;
+  return std::make_unique<sph::SphInfill>(lattice, scene.materials, settings);
 }
 
-}  // namespace
+std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                          const dem::Grains& grains, const std::array<Vec3, 2>& box) {
+  dem::DemSettings settings;
+  settings.options = scene.infill.dem;
+  settings.gravity = gravity;
+  settings.rolling_resistance = effect_on(effects, "rolling_resistance");
+  settings.box = box;
+  return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
+}
+
+PointContact particle_contact(const Scene& scene, const std::vector<EffectDecision>& effects,
+                              const ParticleView& particles) {
+  const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
+  PointContact result;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Material& material = scene.materials[particles.material[i]];
+    const double radius = particles.radius[i];
+    result.stiffness.push_back(penalty_of(scene, effects, material, radius));
+    result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+    result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
+    result.body_friction.push_back(friction_of(material.body_friction, with_rate));
+  }
+  return result;
+}
+
+double search_skin(Approach approach, std::span<const double> radius) {
+  if (approach == Approach::sph) return 0.5 * *std::min_element(radius.begin(), radius.end());
+  double sum = 0;
+  for (const double r : radius) sum += r;
+  return 0.5 * sum / static_cast<double>(radius.size());
+}
 
 std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<EffectDecision>& effects,
                                        const ParticleView& particles, bool rigid) {
@@ -198,7 +193,8 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
       settled = settle_grains(scene, request.effects, mesh, built.packing_from_cache, request.on_progress);
       built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-    auto dem = build_dem(scene, request.effects, settled);
+    const sph::TurfBox box = turf_box(scene);
+    auto dem = build_dem(scene, request.effects, settled, {box.low, box.high});
     built.dem = dem.get();
     parts.infill = std::move(dem);
   }
@@ -234,43 +230,12 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
 
   parts.gravity = gravity;
   parts.numerics = scene.numerics;
-  parts.skin = 0.5 * smallest(particles.radius);
-  if (scene.infill.approach == Approach::dem) {
-    // The smallest grain of a wide mixture would make the list short-lived: take the mean.
-    double sum = 0;
-    for (const double r : particles.radius) sum += r;
-    parts.skin = 0.5 * sum / static_cast<double>(particles.size());
-  }
+  parts.skin = search_skin(scene.infill.approach, particles.radius);
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = effect_on(request.effects, "overlap_release");
   parts.time = request.start_time;
   built.simulation = std::make_unique<Simulation>(std::move(parts));
   return built;
-}
-
-std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
-  const Scene& scene = *request.scene;
-  const sph::Lattice& lattice = *request.lattice;
-  SimulationParts parts;
-  parts.infill = build_sph(scene, request.effects, lattice, {});
-  parts.carpet =
-      std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
-  parts.bodies = request.bodies;
-  const PointContact contact = particle_contact(scene, request.effects, parts.infill->particles());
-  parts.particle_body = {{}, contact.damping_ratio, contact.body_friction};
-  constexpr double of_wall_row = 2.0 / 3;  // about the volume of a particle at a wall over that of one inside
-  for (std::size_t i = 0; i < lattice.volume.size(); ++i) {
-    const double edge = 2 * lattice.radius.at(i);
-    const double share = std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
-    // Rows lie on the walls: there is no half row between.
-    parts.particle_body.spring.push_back({share * contact.stiffness[i]});
-  }
-  parts.gravity = gravity;
-  parts.numerics = scene.numerics;
-  parts.skin = 0.5 * smallest(lattice.radius);
-  parts.energy_scale = request.energy_scale;
-  parts.release_overlap = false;
-  return std::make_unique<Simulation>(std::move(parts));
 }
 
 }  // namespace tuft::coupler

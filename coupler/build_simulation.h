@@ -15,6 +15,8 @@
 
 namespace tuft::coupler {
 
+inline const Vec3 gravity(0, 0, -9.81);  ///< m/s^2
+
 struct BuildRequest {
   const Scene* scene = nullptr;
   std::vector<EffectDecision> effects;
@@ -40,19 +42,6 @@ struct BuiltSimulation {
 
 /// Throws InputError for a scene that cannot be built, RunError when the host fails.
 [[nodiscard]] BuiltSimulation build_simulation(const BuildRequest& request);
-
-/// Infill alone between bodies: no carpet, no tray.
-struct SpecimenRequest {
-  const Scene* scene = nullptr;
-  std::vector<EffectDecision> effects;
-  const sph::Lattice* lattice = nullptr;
-  std::vector<RigidBody> bodies;
-  double energy_scale = 0;  ///< J, see EnergyLedger
-};
-
-/// The contact penalty of each particle against bodies is that of the area of wall it stands for:
-/// sph_contact_stiffness of a whole particle, less where two walls or three share it. Throws InputError.
-[[nodiscard]] std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request);
 
 /// The carpet's mesh for a scene, generated or from the mesh file it names; fibres by the effect. Throws
 /// InputError.
@@ -83,6 +72,29 @@ struct SpecimenRequest {
 [[nodiscard]] double sph_contact_stiffness(const Material& material, const Numerics& numerics, double radius,
                                            const sph::SoilEffects& effects = {});
 [[nodiscard]] double dem_contact_stiffness(const Material& material, double radius);
+
+/// How particles meet shells and bodies, a value a particle.
+struct PointContact {
+  std::vector<double> stiffness;      ///< N/m, penalty
+  std::vector<double> damping_ratio;  ///< of the critical
+  std::vector<FrictionLaw> fibre_friction, body_friction;
+};
+[[nodiscard]] PointContact particle_contact(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                            const ParticleView& particles);
+
+/// SPH particles in `box`, outside of which they count as expelled.
+[[nodiscard]] std::unique_ptr<sph::SphInfill> build_sph(const Scene& scene,
+                                                        const std::vector<EffectDecision>& effects,
+                                                        const sph::Lattice& lattice, const sph::TurfBox& box);
+/// Grains in LIGGGHTS' box.
+[[nodiscard]] std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene,
+                                                        const std::vector<EffectDecision>& effects,
+                                                        const dem::Grains& grains,
+                                                        const std::array<Vec3, 2>& box);
+
+/// How far particles may move before contact looks for its candidates again, m: half of the smallest radius,
+/// of grains half of the mean one (the smallest of a wide mixture would make the list short-lived).
+[[nodiscard]] double search_skin(Approach approach, std::span<const double> radius);
 
 /// Five fixed half-spaces: floor at z = 0 and four walls around a patch centred on the origin.
 [[nodiscard]] std::vector<RigidBody> tray(std::array<double, 2> size);

@@ -27,7 +27,8 @@ struct ThinQuad {
 
 struct PackingRequest {
   std::array<double, 2> size{};  ///< m, patch centred on the origin
-  double floor = 0;              ///< m, top of the backing
+  bool round = false;  ///< a cylinder about the z axis, size[0] = size[1] across, in place of a cuboid
+  double floor = 0;    ///< m, top of the backing
   const Turf* turf = nullptr;
   const std::vector<Material>* materials = nullptr;
   const DemOptions* options = nullptr;

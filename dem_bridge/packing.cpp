@@ -69,12 +69,20 @@ void draw_grains(double mass, const Sizes& sizes, double density, Index material
   }
 }
 
+/// Of the rectangle around it, what the container covers.
+double covered_share(const PackingRequest& request) {
+  return request.round ? std::numbers::pi / 4 : 1.0;
+}
+
 void check_request(const PackingRequest& request) {
   if (request.turf == nullptr || request.materials == nullptr || request.options == nullptr)
     throw_input_error("packing: turf, materials and options must be given");
   if (!(request.size[0] > 0) || !(request.size[1] > 0))
     throw_input_error("packing: the patch is {} x {} m; both must be positive", request.size[0],
                       request.size[1]);
+  if (request.round && request.size[0] != request.size[1])
+    throw_input_error("packing: a round container cannot be {} x {} m; its two sizes are its diameter",
+                      request.size[0], request.size[1]);
 }
 
 /// All grains of one layer in random order.
@@ -86,7 +94,8 @@ std::vector<Grain> draw_layer(const PackingRequest& request, const Layer& layer,
         "packing: material {} has no grains or no bulk density; give it grain_shares and bulk_density, or "
         "use infill.approach = \"sph\"",
         of_layer.name);
-  const double mass = of_layer.bulk_density * request.size[0] * request.size[1] * layer.depth;
+  const double mass =
+      of_layer.bulk_density * request.size[0] * request.size[1] * layer.depth * covered_share(request);
   std::vector<Grain> grains;
   for (const GrainShare& share : of_layer.grain_shares) {
     const Material& material = materials[share.material];
@@ -105,10 +114,20 @@ std::vector<Grain> draw_layer(const PackingRequest& request, const Layer& layer,
 }
 
 /// Height of a layer's slab: its depth, or more when its grains would be packed too densely in it.
-double slab_height(const std::vector<Grain>& grains, const Layer& layer, const std::array<double, 2>& size) {
+double slab_height(const std::vector<Grain>& grains, const Layer& layer, const PackingRequest& request) {
   double volume = 0;
   for (const Grain& grain : grains) volume += sphere_mass(2 * grain.radius, 1.0);
-  return std::max(layer.depth, volume / (densest_fraction * size[0] * size[1]));
+  return std::max(layer.depth,
+                  volume / (densest_fraction * request.size[0] * request.size[1] * covered_share(request)));
+}
+
+/// From even over the rectangle [-half, half] to even over the disc in it: shares of area kept in x, of the
+/// circumference in y.
+Vec3 in_disc(const Vec3& x, const std::array<double, 2>& half) {
+  if (!(half[0] > 0)) return {0, 0, x.z()};
+  const double radius = half[0] * std::sqrt(std::max(0.0, 0.5 + 0.5 * x.x() / half[0])),
+               angle = std::numbers::pi * (1 + x.y() / half[1]);
+  return {radius * std::cos(angle), radius * std::sin(angle), x.z()};
 }
 
 /// Bits of a number with two zeros between each: three of them interleaved are a place on the Morton curve.
@@ -157,13 +176,13 @@ Grains pack_grains(const PackingRequest& request) {
   for (std::size_t l = 0; l < request.turf->layers.size(); ++l) {
     const Layer& layer = request.turf->layers[l];
     const std::vector<Grain> grains = draw_layer(request, layer, random);
-    const double high = low + slab_height(grains, layer, request.size);
+    const double high = low + slab_height(grains, layer, request);
     for (const Grain& grain : grains) {
       const double x = 0.5 * request.size[0] - grain.radius, y = 0.5 * request.size[1] - grain.radius;
       const double bottom = low + grain.radius, top = std::max(bottom, high - grain.radius);
       // One after the other: the order in which a call's arguments are evaluated is not fixed.
       const double px = random.between(-x, x), py = random.between(-y, y), pz = random.between(bottom, top);
-      spheres.position.push_back({px, py, pz});
+      spheres.position.push_back(request.round ? in_disc({px, py, pz}, {x, y}) : Vec3(px, py, pz));
       spheres.radius.push_back(grain.radius);
       spheres.low.push_back(low);
       spheres.high.push_back(high);
@@ -173,7 +192,7 @@ Grains pack_grains(const PackingRequest& request) {
     }
     low = high;
   }
-  const PackingBox box{{0.5 * request.size[0], 0.5 * request.size[1]}, request.floor, low};
+  const PackingBox box{{0.5 * request.size[0], 0.5 * request.size[1]}, request.floor, low, request.round};
   push_apart(spheres, box, request.obstacles, sweeps);
   packed.position = std::move(spheres.position);
   packed.radius = std::move(spheres.radius);

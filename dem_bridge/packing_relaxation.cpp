@@ -187,6 +187,19 @@ double clamp_between(double x, double low, double high) {
   return low > high ? 0.5 * (low + high) : std::clamp(x, low, high);
 }
 
+/// Within the walls, by its own radius.
+void keep_between_walls(Vec3& x, double radius, const PackingBox& box) {
+  if (box.round) {
+    const double limit = std::max(0.0, box.half_size[0] - radius), from_axis = std::hypot(x.x(), x.y());
+    if (from_axis > limit) x.head<2>() *= limit / from_axis;
+    return;
+  }
+  for (int c = 0; c < 2; ++c) {
+    const double limit = box.half_size[static_cast<std::size_t>(c)] - radius;
+    x[c] = clamp_between(x[c], -limit, limit);
+  }
+}
+
 }  // namespace
 
 void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,
@@ -211,10 +224,7 @@ void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const Th
       const double radius = spheres.radius[i];
       Vec3 x = spheres.position[i] + shift_from_spheres(spheres, i, near.spheres.row(i));
       x += shift_from_obstacles(x, radius, obstacles, near.obstacles.row(i));
-      for (int c = 0; c < 2; ++c) {
-        const double limit = box.half_size[static_cast<std::size_t>(c)] - radius;
-        x[c] = clamp_between(x[c], -limit, limit);
-      }
+      keep_between_walls(x, radius, box);
       const double low = in_slabs ? spheres.low[i] : box.floor, high = in_slabs ? spheres.high[i] : box.lid;
       x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box.floor + radius);
       next.set(i, x);

@@ -11,6 +11,7 @@ namespace tuft::dem {
 struct PackingBox {
   std::array<double, 2> half_size{};  ///< m, walls at +-half_size in x and y
   double floor = 0, lid = 0;          ///< m
+  bool round = false;                 ///< a cylinder of radius half_size[0] in place of the four walls
 };
 
 /// Spheres with the slab [low, high] (m) each is kept in at first.

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "rigs/row_table.h"
-#include "sph_infill/specimen_lattice.h"
 
 namespace tuft::rigs {
 namespace {
@@ -84,10 +83,12 @@ ShearResults evaluate_shear(std::span<const ShearRow> rows, double yield_strain)
 
 DirectShear::DirectShear(const Scene& scene)
     : rig_(scene.rig.specimen),
-      material_(scene.materials.at(static_cast<std::size_t>(scene.rig.specimen.material))),
-      sph_(scene.infill.sph),
       rows_(scene.rig.specimen.normal_stresses.size()),
-      plate_mass_(material_.continuum->density * area() * rig_.height) {}
+      density_(coupler::placed_density(scene, rig_.material)),
+      plate_mass_(density_ * area() * rig_.height) {
+  for (const double stress : rig_.normal_stresses)
+    modulus_.push_back(coupler::placed_modulus(scene, rig_.material, stress));
+}
 
 double DirectShear::strain_length() const {
   return rig_.strain_basis == ShearStrainBasis::length ? rig_.size[0] : rig_.height;
@@ -97,23 +98,23 @@ std::string DirectShear::label(std::size_t test) const {
   return fmt::format("{:g} kPa", 1e-3 * rig_.normal_stresses.at(test));
 }
 
-sph::Lattice DirectShear::lattice() const {
-  return sph::fill_box({rig_.size, rig_.height}, rig_.material, sph_);
+coupler::SpecimenRoom DirectShear::room() const {
+  return {rig_.material, rig_.height, rig_.size};
 }
 
 /// The upper plate has the specimen's mass, its guides the damping that is critical for that mass on the
 /// specimen's stiffness under the load: it follows the specimen without ringing.
-std::vector<coupler::RigidBody> DirectShear::bodies(std::size_t test) const {
-  const double reach = lattice().radius.front();
+std::vector<coupler::RigidBody> DirectShear::bodies(std::size_t test,
+                                                    const coupler::Specimen& specimen) const {
+  const double reach = specimen.reach;
   const FrictionLaw rough{rig_.platen_friction, rig_.platen_friction, 0};
   coupler::RigidBody above, below;
   above.name = "upper_plate";
   above.shape = coupler::HalfSpace{Vec3(0, 0, -1)};
-  above.position = Vec3(0, 0, rig_.height + reach);
+  above.position = Vec3(0, 0, specimen.top);
   above.mass = plate_mass_;
   above.freedom = Vec3(0, 0, 1);
-  const double stiffness =
-      sph::constrained_modulus(*material_.continuum, rig_.normal_stresses.at(test)) * area() / rig_.height;
+  const double stiffness = modulus_.at(test) * area() / rig_.height;
   above.guide_damping = 2 * std::sqrt(stiffness * plate_mass_);
   above.friction = rough;
   below.name = "lower_plate";
@@ -184,7 +185,7 @@ void DirectShear::sample(const coupler::Simulation& simulation) {
   row.shear_stress = row.force_upper / area();
   row.normal_stress = mean_force(simulation, upper_plate, dt).z() / area();
   // Of the upper half of the specimen: what plate and walls press down, and half the weight.
-  row.plane_stress = carried / area() + 0.5 * standard_weight * material_.continuum->density * rig_.height;
+  row.plane_stress = carried / area() + 0.5 * standard_weight * density_ * rig_.height;
   rows.push_back(row);
 }
 

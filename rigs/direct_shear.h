@@ -48,8 +48,9 @@ class DirectShear final : public SpecimenTest {
 
   [[nodiscard]] std::size_t tests() const override { return rig_.normal_stresses.size(); }
   [[nodiscard]] std::string label(std::size_t test) const override;
-  [[nodiscard]] sph::Lattice lattice() const override;
-  [[nodiscard]] std::vector<coupler::RigidBody> bodies(std::size_t test) const override;
+  [[nodiscard]] coupler::SpecimenRoom room() const override;
+  [[nodiscard]] std::vector<coupler::RigidBody> bodies(std::size_t test,
+                                                       const coupler::Specimen& specimen) const override;
   [[nodiscard]] double energy_scale(std::size_t test) const override;
   [[nodiscard]] double interval() const override;
   void begin(std::size_t test, const coupler::Simulation& simulation) override;
@@ -76,11 +77,11 @@ class DirectShear final : public SpecimenTest {
   [[nodiscard]] std::size_t loading_rows() const;
 
   SpecimenRig rig_;
-  Material material_;
-  SphOptions sph_;
   std::vector<std::vector<ShearRow>> rows_;  ///< by test
   std::size_t test_ = 0;
-  double plate_mass_ = 0;  ///< kg
+  double density_ = 0;           ///< kg/m^3, as placed
+  std::vector<double> modulus_;  ///< Pa, constrained, by test: what the guides of the plate damp
+  double plate_mass_ = 0;        ///< kg
   double displacement_ = 0, height_ = 0,
          start_height_ = 0;  ///< m, at the end of the last interval; at shearing
   double speed_ = 0;         ///< m/s

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/loading_branch.h"
 #include "rigs/row_table.h"
-#include "sph_infill/specimen_lattice.h"
 
 namespace tuft::rigs {
 namespace {
@@ -64,9 +63,16 @@ std::optional<double> loading_secant(std::span<const OedometerRow> rows, double 
 
 Oedometer::Oedometer(const Scene& scene)
     : rig_(scene.rig.specimen),
-      material_(scene.rig.specimen.material),
-      sph_(scene.infill.sph),
-      rows_(scene.rig.specimen.preloads.size()) {}
+      of_grains_(scene.infill.approach == Approach::dem),
+      rows_(scene.rig.specimen.preloads.size()) {
+  if (!of_grains_) return;
+  // M grows with the cube root of the stress, so the strain is 3/2 stress / M.
+  for (const double preload : rig_.preloads) {
+    const double stress = preload / area();
+    expected_travel_.push_back(1.5 * stress / coupler::placed_modulus(scene, rig_.material, stress) *
+                               rig_.height);
+  }
+}
 
 double Oedometer::area() const {
   return std::numbers::pi / 4 * rig_.diameter * rig_.diameter;
@@ -76,20 +82,19 @@ std::string Oedometer::label(std::size_t test) const {
   return fmt::format("{:g} N", rig_.preloads.at(test));
 }
 
-sph::Lattice Oedometer::lattice() const {
-  return sph::fill_ring({0.5 * rig_.diameter, rig_.height}, material_, sph_);
+coupler::SpecimenRoom Oedometer::room() const {
+  return {rig_.material, rig_.height, {rig_.diameter, rig_.diameter}, true};
 }
 
-std::vector<coupler::RigidBody> Oedometer::bodies(std::size_t) const {
-  // Particles stand on the specimen's surface; what they touch is a contact radius away.
-  const double reach = lattice().radius.front();
+std::vector<coupler::RigidBody> Oedometer::bodies(std::size_t, const coupler::Specimen& specimen) const {
+  const double reach = specimen.reach;
   coupler::RigidBody below, above, around;
   below.name = "lower_plate";
   below.shape = coupler::HalfSpace{Vec3(0, 0, 1)};
   below.position = Vec3(0, 0, -reach);
   above.name = "upper_plate";
   above.shape = coupler::HalfSpace{Vec3(0, 0, -1)};
-  above.position = Vec3(0, 0, rig_.height + reach);
+  above.position = Vec3(0, 0, specimen.top);
   above.driven = true;
   around.name = "ring";
   around.shape = coupler::Bore{0.5 * rig_.diameter + reach};
@@ -111,6 +116,9 @@ void Oedometer::begin(std::size_t test, const coupler::Simulation& simulation) {
   loading_ = true;
   speed_ = 0;
   start_height_ = height_before_ = simulation.bodies()[upper_plate].position.z();
+  height_ = rig_.height;
+  placed_height_ = start_height_;
+  seated_ = !of_grains_;
   const ParticleView p = simulation.infill().particles();
   const std::vector<coupler::NormalSpring>& spring = simulation.particle_body().settings().spring;
   double below = 0, above = 0, mass = 0;
@@ -119,8 +127,10 @@ void Oedometer::begin(std::size_t test, const coupler::Simulation& simulation) {
     if (p.z[i] < 0.1 * p.radius[i]) below += spring[i].stiffness;
     if (p.z[i] > rig_.height - 0.1 * p.radius[i]) above += spring[i].stiffness;
   }
-  give_below_ = 1 / below;
-  give_above_ = 1 / above;
+  // The contacts of a continuum are a penalty, which gives way by more than the infill; those of grains are
+  // what grains have.
+  give_below_ = of_grains_ ? 0 : 1 / below;
+  give_above_ = of_grains_ ? 0 : 1 / above;
   weight_ = standard_weight * mass;
 }
 
@@ -151,14 +161,19 @@ void Oedometer::sample(const coupler::Simulation& simulation) {
   row.cycle = cycle_;
   row.direction = loading_ ? 1 : -1;
   const double height = simulation.bodies()[upper_plate].position.z();
-  row.travel = start_height_ - 0.5 * (height_before_ + height);
+  const double middle = 0.5 * (height_before_ + height);
   height_before_ = height;
   row.force = mean_force(simulation, upper_plate, dt).z();
+  if (!seated_) {
+    start_height_ = height_ = middle;
+    seated_ = row.force >= rig_.seating_force;
+  }
+  row.travel = start_height_ - middle;
   row.force_below = -mean_force(simulation, lower_plate, dt).z();
   row.force_ring = -mean_force(simulation, ring, dt).z();
   row.inertia_force = row.force + weight_ - row.force_below - row.force_ring;
   row.compression = row.travel - give_above_ * row.force - give_below_ * row.force_below;
-  row.strain = row.compression / rig_.height;
+  row.strain = row.compression / height_;
   row.stress = row.force / area();
   rows.push_back(row);
   if (loading_ && row.force >= rig_.preloads[test_]) {
@@ -167,7 +182,7 @@ void Oedometer::sample(const coupler::Simulation& simulation) {
     loading_ = true;
     ++cycle_;
   }
-  if (row.travel > most_compression * rig_.height)
+  if (row.travel > most_compression * height_)
     throw_run_error(
         "oedometer: {:.3g} N after {:.3g} mm, {:g} % of the height, and the preload of {:g} N is not "
         "reached; lower "
@@ -177,7 +192,12 @@ void Oedometer::sample(const coupler::Simulation& simulation) {
 
 double Oedometer::share_done() const {
   if (rows_[test_].empty()) return 0;
-  const double on_the_way = std::clamp(rows_[test_].back().force / rig_.preloads[test_], 0.0, 1.0);
+  double on_the_way = std::clamp(rows_[test_].back().force / rig_.preloads[test_], 0.0, 1.0);
+  if (of_grains_) {
+    // The plate has to reach them first; of the force nothing can be said before.
+    const double lowest = std::min(rig_.height, placed_height_) - expected_travel_[test_];
+    on_the_way = std::clamp((placed_height_ - height_before_) / (placed_height_ - lowest), 0.0, 1.0);
+  }
   return std::min(1.0, (cycle_ - 1 + 0.5 * (loading_ ? on_the_way : 2 - on_the_way)) / rig_.cycles);
 }
 
@@ -291,7 +311,9 @@ std::vector<SpecimenCurve> Oedometer::curves() const {
 
 void Oedometer::save(h5::Group& group) const {
   save_rows(group, rows_);
-  const std::vector<double> state{height_before_, speed_, static_cast<double>(cycle_), loading_ ? 1.0 : 0.0};
+  const std::vector<double> state{height_before_,       speed_,  static_cast<double>(cycle_),
+                                  loading_ ? 1.0 : 0.0, height_, start_height_,
+                                  seated_ ? 1.0 : 0.0};
   group.write("state", std::span<const double>(state));
 }
 
@@ -302,6 +324,9 @@ void Oedometer::load(const h5::Group& group) {
   speed_ = state.at(1);
   cycle_ = static_cast<int>(state.at(2));
   loading_ = state.at(3) != 0;
+  height_ = state.at(4);
+  start_height_ = state.at(5);
+  seated_ = state.at(6) != 0;
 }
 
 }  // namespace tuft::rigs

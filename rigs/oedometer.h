@@ -15,7 +15,7 @@ struct OedometerRow {
   double direction = 1;      ///< 1 loading, -1 unloading
   double travel = 0;         ///< m, of the plate, downwards
   double compression = 0;    ///< m, travel less what the contacts of both plates give way
-  double strain = 0;         ///< compression over the height as placed
+  double strain = 0;         ///< compression over the specimen's height
   double stress = 0;         ///< Pa, force over the ring's area
   double force = 0;          ///< N, of the specimen on the upper plate
   double force_below = 0;    ///< N, on the lower plate
@@ -51,8 +51,9 @@ class Oedometer final : public SpecimenTest {
 
   [[nodiscard]] std::size_t tests() const override { return rig_.preloads.size(); }
   [[nodiscard]] std::string label(std::size_t test) const override;
-  [[nodiscard]] sph::Lattice lattice() const override;
-  [[nodiscard]] std::vector<coupler::RigidBody> bodies(std::size_t test) const override;
+  [[nodiscard]] coupler::SpecimenRoom room() const override;
+  [[nodiscard]] std::vector<coupler::RigidBody> bodies(std::size_t test,
+                                                       const coupler::Specimen& specimen) const override;
   [[nodiscard]] double energy_scale(std::size_t test) const override;
   [[nodiscard]] double interval() const override;
   void begin(std::size_t test, const coupler::Simulation& simulation) override;
@@ -78,15 +79,19 @@ class Oedometer final : public SpecimenTest {
   [[nodiscard]] double area() const;
 
   SpecimenRig rig_;
-  Index material_;
-  SphOptions sph_;
+  bool of_grains_;
   std::vector<std::vector<OedometerRow>> rows_;  ///< by test
   std::size_t test_ = 0;
   double give_below_ = 0, give_above_ = 0;  ///< m/N, of the contacts of each plate
   double weight_ = 0;                       ///< N
-  double start_height_ = 0;                 ///< m, plate at the beginning
-  double height_before_ = 0;                ///< m, plate at the end of the last interval
-  double speed_ = 0;                        ///< m/s, downwards, of the last interval
+  /// The height (m) is that as placed of a continuum, that under the plate as it first bears the seating
+  /// force of grains: how high these stand is theirs to say. Travel counts from start_height_ (m, plate).
+  bool seated_ = true;
+  double height_ = 0, start_height_ = 0;
+  double placed_height_ = 0;             ///< m, plate before the test
+  std::vector<double> expected_travel_;  ///< m, by test, to the preload, of grains: a rough estimate
+  double height_before_ = 0;             ///< m, plate at the end of the last interval
+  double speed_ = 0;                     ///< m/s, downwards, of the last interval
   int cycle_ = 1;
   bool loading_ = true;
 };

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/scene_reader.h"
-#include "coupler/build_simulation.h"
 #include "coupler/recorder.h"
 #include "rigs/checkpoint_books.h"
 #include "rigs/direct_shear.h"
@@ -28,11 +27,11 @@ std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene) {
 std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig,
                                                          std::size_t test) {
   coupler::SpecimenRequest request;
-  const sph::Lattice lattice = rig.lattice();
   request.scene = &scene;
   request.effects = decide_effects(scene);
-  request.lattice = &lattice;
-  request.bodies = rig.bodies(test);
+  const coupler::Specimen specimen = coupler::fill_room(scene, request.effects, rig.room());
+  request.specimen = &specimen;
+  request.bodies = rig.bodies(test, specimen);
   request.energy_scale = rig.energy_scale(test);
   return coupler::build_specimen(request);
 }
@@ -44,7 +43,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-constexpr CheckpointFormat specimen_format{"specimen_format", 2};
+constexpr CheckpointFormat specimen_format{"specimen_format", 3};
 
 /// Where a run stands, beside the test at hand and its simulation.
 struct Tally {
@@ -61,7 +60,7 @@ class SpecimenRunner {
   explicit SpecimenRunner(const RunRequest& request)
       : request_(request),
         rig_(make_specimen_test(request.scene)),
-        summary_(begin_run(request.scene, "sph")) {}
+        summary_(begin_run(request.scene, request.scene.infill.approach == Approach::sph ? "sph" : "dem")) {}
 
   RunSummary run() {
     attempt(summary_, [this] {

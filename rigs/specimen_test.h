@@ -7,8 +7,8 @@
 
 #include "core/scene.h"
 #include "coupler/simulation.h"
+#include "coupler/specimen.h"
 #include "rigs/rig.h"
-#include "sph_infill/sph_infill.h"
 
 namespace tuft::rigs {
 
@@ -31,8 +31,10 @@ class SpecimenTest {
 
   [[nodiscard]] virtual std::size_t tests() const = 0;
   [[nodiscard]] virtual std::string label(std::size_t test) const = 0;  ///< "1500 N"
-  [[nodiscard]] virtual sph::Lattice lattice() const = 0;
-  [[nodiscard]] virtual std::vector<coupler::RigidBody> bodies(std::size_t test) const = 0;
+  [[nodiscard]] virtual coupler::SpecimenRoom room() const = 0;
+  /// What holds a specimen that fills the room.
+  [[nodiscard]] virtual std::vector<coupler::RigidBody> bodies(std::size_t test,
+                                                               const coupler::Specimen& specimen) const = 0;
   [[nodiscard]] virtual double energy_scale(
       std::size_t test) const = 0;                    ///< J, a small share of the work to be done
   [[nodiscard]] virtual double interval() const = 0;  ///< s between rows

@@ -78,9 +78,10 @@ TEST(Specimen, RefusesBadInputByOneLine) {
   const auto with = [](const char* scene, const std::string& set) {
     return run_tuft({"check", std::string("inputs/") + scene, "--set", set});
   };
-  expect_bad_input(with("oedometer_sand.toml", "infill.approach=dem"),
-                   {"infill.approach", "grains cannot fill the ring", "use \"sph\""});
-  expect_bad_input(with("direct_shear_sand.toml", "infill.approach=dem"), {"grains cannot fill the box"});
+  const Outcome too_coarse =
+      run_tuft({"check", "inputs/oedometer_sbr.toml", "--infill", "dem", "--set",
+                "infill.dem.coarse_graining=30", "--set", "infill.dem.use_cache=false"});
+  expect_bad_input(too_coarse, {"grains of sbr are up to 0.06 m wide", "less coarse graining"});
   expect_bad_input(with("oedometer_sand.toml", "rig.material=snad"),
                    {"rig.material", "did you mean \"sand\""});
   expect_bad_input(with("oedometer_sand.toml", "rig.normal_stresses=[\"1 kPa\"]"), {"normal_stresses"});

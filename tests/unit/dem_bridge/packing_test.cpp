@@ -134,6 +134,39 @@ TEST_F(Packing, OverlapsAreSmall) {
   RecordProperty("grains", static_cast<int>(grains.size()));
 }
 
+TEST_F(Packing, FillsARoundContainerEvenlyAndStaysInIt) {
+  request_.size = {0.04, 0.04};
+  request_.round = true;
+  const Grains grains = pack_grains(request_);
+  double sum = 0, inner = 0, expected = 0;
+  for (const Layer& layer : turf_.layers)
+    expected += materials_[static_cast<std::size_t>(layer.material)].bulk_density * std::numbers::pi * 0.02 *
+                0.02 * layer.depth;
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const double from_axis = std::hypot(grains.position.x[i], grains.position.y[i]);
+    EXPECT_LE(from_axis + grains.radius[i], 0.02 + 1e-12);
+    sum += mass(grains, i);
+    if (from_axis < 0.02 / std::numbers::sqrt2) inner += mass(grains, i);
+  }
+  EXPECT_NEAR(sum, expected, 0.01 * expected);
+  EXPECT_NEAR(inner, 0.5 * sum, 0.06 * sum) << "in half of the area; centres keep off the wall";
+  request_.size[1] = 0.03;
+  EXPECT_THROW((void)pack_grains(request_), InputError);
+}
+
+TEST_F(Packing, OfOneGrainAcrossStandsOnTheAxisOfItsTube) {
+  materials_[4].bulk_density = 1150 * 2.0 / 3;
+  materials_[1].grain->diameter_min = materials_[1].grain->diameter_max = 0.004;
+  options_.coarse_graining = 1;
+  turf_.layers = {{4, 0.02}};
+  request_.size = {0.004, 0.004};
+  request_.round = true;
+  const Grains grains = pack_grains(request_);
+  ASSERT_EQ(grains.size(), 5u);
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    EXPECT_LT(std::hypot(grains.position.x[i], grains.position.y[i]), 1e-12);
+}
+
 TEST_F(Packing, IsTheSameForASeedAndAnotherForAnother) {
   const Grains one = pack_grains(request_), two = pack_grains(request_);
   EXPECT_EQ(one.position.x, two.position.x);

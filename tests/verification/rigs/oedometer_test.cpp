@@ -7,7 +7,7 @@
 
 #include "core/scene_reader.h"
 #include "rigs/oedometer.h"
-#include "rigs/run_folder.h"
+#include "verification/rigs/resumed_run.h"
 #include "verification/rigs/specimen_support.h"
 
 namespace tuft::rigs {
@@ -108,17 +108,7 @@ TEST(Oedometer, BearsBelowWhatItIsGivenAboveLessTheFrictionOfTheRing) {
   }
 }
 
-RunRequest request_in(const std::filesystem::path& folder, const Scene& scene) {
-  std::filesystem::remove_all(folder);
-  RunRequest request;
-  request.scene = scene;
-  request.folder = folder;
-  prepare_run_folder(folder, scene);
-  return request;
-}
-
 TEST(Oedometer, ResumedEndsInTheSameBits) {
-  const auto root = std::filesystem::temp_directory_path() / "tuft_oedometer_resume";
   const Scene scene = small_ring("sbr", {{"rig.preloads", "[\"6 N\", \"12 N\"]"},
                                          {"rig.seating_force", "1 N"},
                                          {"rig.sample_travel", "20 um"},
@@ -127,30 +117,7 @@ TEST(Oedometer, ResumedEndsInTheSameBits) {
                                          {"rig.frame_rows", "20"},
                                          {"rig.checkpoint_rows", "17"},
                                          {"numerics.contact_pressure", "50 kPa"}});
-  RunRequest whole = request_in(root / "whole", scene), parts = request_in(root / "parts", scene);
-  const RunSummary once = run(whole);
-  ASSERT_EQ(once.status, "completed") << once.error;
-  EXPECT_LT(once.momentum_error, 1e-12);
-  parts.stop_after_checkpoints = 2;
-  int stops = 0;
-  RunSummary again = run(parts);
-  while (again.status == "stopped" && ++stops < 100) {
-    parts.resume = true;
-    parts.scene = read_run_scene(parts.folder);
-    again = run(parts);
-  }
-  EXPECT_EQ(again.status, "completed") << again.error;
-  EXPECT_GE(stops, 2) << "in both tests";
-  EXPECT_EQ(again.steps, once.steps);
-  EXPECT_EQ(again.energy_error, once.energy_error);
-  ASSERT_EQ(again.results.size(), once.results.size());
-  for (const auto& [name, quantity] : once.results)
-    EXPECT_EQ(again.results.at(name).value, quantity.value) << name;
-  const auto history = [](const std::filesystem::path& folder) {
-    return h5::File::open(folder / "run.h5").root().open_group("history").read_doubles("force");
-  };
-  EXPECT_EQ(history(parts.folder), history(whole.folder));
-  std::filesystem::remove_all(root);
+  EXPECT_GE(test::expect_resumed_bits(scene, 2, "force"), 2) << "in both tests";
 }
 
 TEST(Oedometer, ThatCannotReachItsPreloadSaysSo) {
@@ -158,7 +125,7 @@ TEST(Oedometer, ThatCannotReachItsPreloadSaysSo) {
   const Scene scene = small_ring(
       "sbr",
       {{"rig.sample_travel", "50 um"}, {"rig.speed_factor", "1000.0"}, {"rig.preloads", "[\"1e6 N\"]"}});
-  const RunSummary summary = run(request_in(folder, scene));
+  const RunSummary summary = run(test::request_in(folder, scene));
   EXPECT_EQ(summary.status, "failed");
   EXPECT_NE(summary.error.find("lower rig.preloads"), std::string::npos) << summary.error;
   std::filesystem::remove_all(folder);

@@ -1,0 +1,156 @@
+#include "coupler/specimen.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "coupler/build_simulation.h"
+#include "coupler/packing_cache.h"
+#include "dem_bridge/effective_medium.h"
+#include "fe_carpet/carpet.h"
+#include "sph_infill/specimen_lattice.h"
+
+namespace tuft::coupler {
+namespace {
+
+/// What holds grains while they come to rest: walls without friction, so that they settle evenly.
+std::vector<RigidBody> container(const SpecimenRoom& room) {
+  std::vector<RigidBody> bodies = tray(room.size);
+  if (room.round) {
+    bodies.resize(1);  // the floor
+    bodies.emplace_back();
+    bodies.back().name = "ring";
+    bodies.back().shape = Bore{0.5 * room.size[0]};
+  }
+  for (std::size_t b = 1; b < bodies.size(); ++b) bodies[b].friction = FrictionLaw{0, 0, 0};
+  return bodies;
+}
+
+/// LIGGGHTS' box: a specimen may be pushed sideways by its own length, and stand several times as high as
+/// placed before it comes to rest.
+std::array<Vec3, 2> grain_box(const SpecimenRoom& room) {
+  return {Vec3(-1.5 * room.size[0], -1.5 * room.size[1], -room.height),
+          Vec3(1.5 * room.size[0], 1.5 * room.size[1], 5 * room.height)};
+}
+
+dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room) {
+  Turf one_layer;
+  one_layer.layers = {{room.material, room.height}};
+  dem::PackingRequest packing;
+  packing.size = room.size;
+  packing.round = room.round;
+  packing.turf = &one_layer;
+  packing.materials = &scene.materials;
+  packing.options = &scene.infill.dem;
+  packing.seed = scene.numerics.seed;
+  return dem::pack_grains(packing);
+}
+
+dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
+                           const SpecimenRoom& room) {
+  const PackingCache cache(scene, effects,
+                           fmt::format("{} {:.17g} x {:.17g} x {:.17g} m", room.round ? "ring" : "box",
+                                       room.size[0], room.size[1], room.height));
+  Specimen loose;
+  loose.room = room;
+  if (cache.load(loose.grains)) return loose.grains;
+  loose.grains = packed_grains(scene, room);
+  Scene still = scene;
+  // A means to get grains at rest: its energy balance is not a result.
+  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
+  SpecimenRequest request;
+  request.scene = &still;
+  request.effects = effects;
+  request.specimen = &loose;
+  request.bodies = container(room);
+  const auto simulation = build_specimen(request);
+  come_to_rest(*simulation, scene.infill.dem.settle_time, [](double) {});
+  loose.grains.position = positions(simulation->infill());
+  cache.store(loose.grains);
+  return loose.grains;
+}
+
+/// A lattice's particle at a wall stands for less of it where walls meet. Rows lie on the walls: there is no
+/// half row between.
+std::vector<NormalSpring> wall_springs(const sph::Lattice& lattice, const std::vector<double>& stiffness) {
+  constexpr double of_wall_row = 2.0 / 3;  // about the volume of a particle at a wall over that of one inside
+  std::vector<NormalSpring> springs;
+  for (std::size_t i = 0; i < lattice.volume.size(); ++i) {
+    const double edge = 2 * lattice.radius.at(i);
+    const double share = std::min(1.0, lattice.volume[i] / (of_wall_row * edge * edge * edge));
+    springs.push_back({share * stiffness[i]});
+  }
+  return springs;
+}
+
+}  // namespace
+
+Specimen fill_room(const Scene& scene, const std::vector<EffectDecision>& effects, const SpecimenRoom& room) {
+  Specimen specimen;
+  specimen.room = room;
+  if (scene.infill.approach == Approach::sph) {
+    const SphOptions& sph = scene.infill.sph;
+    specimen.lattice = room.round ? sph::fill_ring({0.5 * room.size[0], room.height}, room.material, sph)
+                                  : sph::fill_box({room.size, room.height}, room.material, sph);
+    specimen.reach = specimen.lattice.radius.front();
+    specimen.top = room.height + specimen.reach;
+    return specimen;
+  }
+  specimen.grains = settled_grains(scene, effects, room);
+  for (std::size_t i = 0; i < specimen.grains.size(); ++i)
+    specimen.top = std::max(specimen.top, specimen.grains.position.z[i] + specimen.grains.radius[i]);
+  return specimen;
+}
+
+double placed_density(const Scene& scene, Index material) {
+  const Material& infill = scene.materials.at(static_cast<std::size_t>(material));
+  return scene.infill.approach == Approach::sph ? infill.continuum->density : infill.bulk_density;
+}
+
+double placed_modulus(const Scene& scene, Index material, double pressure) {
+  const Material& infill = scene.materials.at(static_cast<std::size_t>(material));
+  if (scene.infill.approach == Approach::sph) return sph::constrained_modulus(*infill.continuum, pressure);
+  constexpr double contacts_of_a_grain = 6;
+  double solid = 0;  // share of the room
+  for (const GrainShare& share : infill.grain_shares)
+    solid += infill.bulk_density * share.mass_fraction /
+             scene.materials[static_cast<std::size_t>(share.material)].grain->density;
+  double compliance = 0;
+  for (const GrainShare& share : infill.grain_shares) {
+    const GrainMaterial& grain = *scene.materials[static_cast<std::size_t>(share.material)].grain;
+    const double of_solid = infill.bulk_density * share.mass_fraction / grain.density / solid;
+    compliance += of_solid / dem::packing_constrained_modulus(grain.young_modulus, grain.poisson_ratio, solid,
+                                                              contacts_of_a_grain, pressure);
+  }
+  return 1 / compliance;
+}
+
+std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
+  const Scene& scene = *request.scene;
+  const Specimen& specimen = *request.specimen;
+  SimulationParts parts;
+  if (scene.infill.approach == Approach::sph) {
+    parts.infill = build_sph(scene, request.effects, specimen.lattice, {});
+  } else {
+    parts.infill = build_dem(scene, request.effects, specimen.grains, grain_box(specimen.room));
+  }
+  parts.carpet =
+      std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
+  parts.bodies = request.bodies;
+  const ParticleView particles = parts.infill->particles();
+  const PointContact contact = particle_contact(scene, request.effects, particles);
+  parts.particle_body = {{}, contact.damping_ratio, contact.body_friction};
+  if (scene.infill.approach == Approach::sph)
+    parts.particle_body.spring = wall_springs(specimen.lattice, contact.stiffness);
+  else
+    for (const double k : contact.stiffness) parts.particle_body.spring.push_back({k});
+  parts.gravity = gravity;
+  parts.numerics = scene.numerics;
+  parts.skin = search_skin(scene.infill.approach, particles.radius);
+  parts.energy_scale = request.energy_scale;
+  parts.release_overlap = false;
+  return std::make_unique<Simulation>(std::move(parts));
+}
+
+}  // namespace tuft::coupler
