@@ -259,6 +259,11 @@ void Oedometer::add_results(std::map<std::string, Quantity>& results,
     notes[prefix + "overshoot"] = {peak / rig_.preloads[test] - 1, "1"};
     notes[prefix + "inertia_share"] = {inertia / peak, "1"};
     notes[prefix + "ring_friction_share"] = {friction / peak, "1"};
+    if (of_grains_ && rows.back().strain > 0) {
+      const double height = rows.back().compression / rows.back().strain;
+      notes[prefix + "seated_height"] = {height, "m"};
+      notes[prefix + "seated_density"] = {weight_ / (standard_weight * area() * height), "kg/m^3"};
+    }
     notes[prefix + "contact_compression"] = {(give_above_ + give_below_) * peak, "m"};
   }
 }

@@ -80,7 +80,7 @@ TEST(Specimen, RefusesBadInputByOneLine) {
   };
   const Outcome too_coarse =
       run_tuft({"check", "inputs/oedometer_sbr.toml", "--infill", "dem", "--set",
-                "infill.dem.coarse_graining=30", "--set", "infill.dem.use_cache=false"});
+                "infill.dem.material_coarse_graining.sbr=30", "--set", "infill.dem.use_cache=false"});
   expect_bad_input(too_coarse, {"grains of sbr are up to 0.06 m wide", "less coarse graining"});
   expect_bad_input(with("oedometer_sand.toml", "rig.material=snad"),
                    {"rig.material", "did you mean \"sand\""});
