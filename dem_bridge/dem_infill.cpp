@@ -53,6 +53,7 @@ struct DemInfill::Impl {
   double dissipated = 0;    // J, sum of all increases of `missing`
   std::uint64_t steps = 0;  // substeps so far
   double waiting = 0, exchanging = 0;
+  std::vector<std::uint8_t> expelled_mask;  // as ParticleView has it
 
   Impl(const Grains& given, const std::vector<Material>& given_materials, const DemSettings& given_settings)
       : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
@@ -77,14 +78,22 @@ struct DemInfill::Impl {
     const std::string source = source_command + " " + (host->folder() / source_name).string();
     ask(Request::commands, set_up_commands(source, used, materials, settings, sizes, stable_step));
   }
+  void tell_surroundings() {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto axis = static_cast<Eigen::Index>(c);
+      shared().gravity[c] = settings.gravity[axis];
+      shared().box_low[c] = settings.box[0][axis];
+      shared().box_high[c] = settings.box[1][axis];
+    }
+  }
   void start_fresh() {
     host = std::make_unique<HostLink>(settings.options.host, grains.size(), settings.options.answer_timeout);
     const std::array<const std::vector<double>*, 3> position{&grains.position.x, &grains.position.y,
                                                              &grains.position.z};
     for (std::size_t c = 0; c < 3; ++c)
       std::copy(position[c]->begin(), position[c]->end(), array(SharedArrays::position_x + c).begin());
-    for (std::size_t c = 0; c < 3; ++c) shared().gravity[c] = settings.gravity[static_cast<Eigen::Index>(c)];
-    write_data_file(host->folder() / "grains.data", grains, used, settings.box);
+    tell_surroundings();
+    write_data_file(host->folder() / "grains.data", grains, used, host_domain(settings));
     start_host("read_data", "grains.data");
     ask(Request::energy);
     initial_stored = shared().stored_energy;
@@ -109,6 +118,7 @@ struct DemInfill::Impl {
   }
 
   void send_impulses(const ContactImpulses& contact);
+  void read_expelled();
   [[nodiscard]] double kinetic_of_view();
   [[nodiscard]] double gravity_potential();
 };
@@ -137,6 +147,12 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
         throw_run_error("DEM infill at t = {:.9g} s: the {} contact impulse of grain {} is {}", time,
                         c < 3 ? "linear" : "angular", i, from[i]);
   }
+}
+
+void DemInfill::Impl::read_expelled() {
+  if (shared().expelled == 0) return;
+  const auto flags = array(SharedArrays::expelled);
+  expelled_mask.assign(flags.begin(), flags.end());
 }
 
 double DemInfill::Impl::kinetic_of_view() {
@@ -192,7 +208,14 @@ ParticleView DemInfill::particles() const {
   particles.mass = view(SharedArrays::mass);
   particles.layer = my.grains.layer;
   particles.material = my.grains.material;
+  particles.expelled = my.expelled_mask;
   return particles;
+}
+
+Expelled DemInfill::expelled() const {
+  const SharedState& shared = impl_->shared();
+  return {shared.expelled, shared.expelled_mass, Vec3(shared.expelled_momentum.data()),
+          shared.expelled_energy + shared.expelled_pending};
 }
 
 double DemInfill::stable_step() const {
@@ -210,7 +233,9 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   shared.step = window / substeps;
   shared.substeps = substeps;
   shared.damping = my.damping;
+  const std::uint64_t gone = shared.expelled;
   my.ask(Request::advance);
+  if (shared.expelled != gone) my.read_expelled();
   my.started = true;
   my.time += window;
   my.steps += static_cast<std::uint64_t>(substeps);
@@ -243,6 +268,7 @@ InfillEnergy DemInfill::energy() const {
   // The moment is the middle of the last kick, so half of its work has been done.
   const double pair_work = shared.pair_work - 0.5 * shared.last_pair_work;
   energy.kinetic = shared.kinetic;
+  energy.expelled = shared.expelled_energy;
   energy.contact_work = shared.contact_work - 0.5 * shared.last_contact_work;
   energy.damping = -(shared.damping_work - 0.5 * shared.last_damping_work);
   const double missing = -pair_work - (energy.stored - my.initial_stored);
@@ -272,6 +298,12 @@ void DemInfill::save(h5::Group& group) {
   group.write("works", std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
                                            shared.last_pair_work, shared.last_contact_work,
                                            shared.last_damping_work, shared.kinetic});
+  const auto expelled = my.array(SharedArrays::expelled);
+  group.write("expelled", std::vector<double>(expelled.begin(), expelled.end()));
+  const auto& momentum = shared.expelled_momentum;
+  group.write("expelled_sums",
+              std::vector<double>{static_cast<double>(shared.expelled), shared.expelled_mass, momentum[0],
+                                  momentum[1], momentum[2], shared.expelled_energy, shared.expelled_pending});
   group.write_scalar("time", my.time);
   group.write_scalar("step", shared.step);
   group.write_scalar("steps", my.steps);
@@ -295,7 +327,7 @@ void DemInfill::load(const h5::Group& group) {
   my.host = std::make_unique<HostLink>(my.settings.options.host, my.grains.size(),
                                        my.settings.options.answer_timeout);
   SharedState& shared = my.shared();
-  for (std::size_t c = 0; c < 3; ++c) shared.gravity[c] = my.settings.gravity[static_cast<Eigen::Index>(c)];
+  my.tell_surroundings();
   my.time = group.read_double("time");
   my.steps = group.read_count("steps");
   my.damping = group.read_double("damping");
@@ -320,6 +352,19 @@ void DemInfill::load(const h5::Group& group) {
   shared.last_contact_work = works[4];
   shared.last_damping_work = works[5];
   shared.kinetic = works[6];
+  const std::vector<double> expelled = group.read_doubles("expelled"),
+                            sums = group.read_doubles("expelled_sums");
+  if (expelled.size() != my.grains.size() || sums.size() != 7)
+    throw_input_error(
+        "checkpoint: {} marks and {} sums of expelled grains instead of {} and 7: it is damaged",
+        expelled.size(), sums.size(), my.grains.size());
+  std::copy(expelled.begin(), expelled.end(), my.array(SharedArrays::expelled).begin());
+  shared.expelled = static_cast<std::uint64_t>(sums[0]);
+  shared.expelled_mass = sums[1];
+  shared.expelled_momentum = {sums[2], sums[3], sums[4]};
+  shared.expelled_energy = sums[5];
+  shared.expelled_pending = sums[6];
+  my.read_expelled();
   if (my.started) my.ask(Request::resume);
 }
 

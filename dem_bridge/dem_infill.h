@@ -45,8 +45,11 @@ struct DemSettings {
   DemOptions options;
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool rolling_resistance = true;
-  std::array<Vec3, 2> box{};  ///< m, LIGGGHTS' domain; grains that leave it are lost (RunError)
+  std::array<Vec3, 2> box{};  ///< m; grains whose centre leaves it are expelled
 };
+
+/// m, by which LIGGGHTS' domain is wider than the box that grains may not leave.
+inline constexpr double expulsion_margin = 0.02;
 
 /// Every member that reaches the host throws RunError when it is gone, silent for longer than
 /// DemOptions::answer_timeout, or reports a value that is not finite or a lost grain; the message has the
@@ -77,6 +80,9 @@ class DemInfill final : public Infill {
   /// it but breaks the balance of the sum. Cost: one pass over the neighbour list, about a third of a DEM
   /// step; call it when recording.
   [[nodiscard]] InfillEnergy energy() const override;
+  /// Looked for at the end of every window. A grain so fast that it passes expulsion_margin in one is lost to
+  /// LIGGGHTS (RunError).
+  [[nodiscard]] Expelled expelled() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;
   void load(const h5::Group& group) override;

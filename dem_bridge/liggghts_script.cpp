@@ -89,11 +89,16 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
           i, x.x(), x.y(), x.z(), grains.radius[i], grains.density[i]);
     if ((x.array() < settings.box[0].array()).any() || (x.array() >= settings.box[1].array()).any())
       throw_input_error(
-          "DEM infill: grain {} at ({}, {}, {}) m is outside LIGGGHTS' box ({}, {}, {}) to ({}, {}, {}) m; "
+          "DEM infill: grain {} at ({}, {}, {}) m is outside the box ({}, {}, {}) to ({}, {}, {}) m; "
           "enlarge the box",
           i, x.x(), x.y(), x.z(), settings.box[0].x(), settings.box[0].y(), settings.box[0].z(),
           settings.box[1].x(), settings.box[1].y(), settings.box[1].z());
   }
+}
+
+std::array<Vec3, 2> host_domain(const DemSettings& settings) {
+  const Vec3 margin = Vec3::Constant(expulsion_margin);
+  return {settings.box[0] - margin, settings.box[1] + margin};
 }
 
 void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
@@ -138,7 +143,7 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
   text += source + "\n";
   text += fmt::format("neighbor {:.17g} bin\n", skin_share * sizes.smallest);
   text += fmt::format("neigh_modify delay 0 every 1 check yes contact_distance_factor {} binsize {:.17g}\n",
-                      forget_distance, bin_size(sizes, settings.box));
+                      forget_distance, bin_size(sizes, host_domain(settings)));
   text += per_type("young_modulus", "youngsModulus", types, [&](auto i) { return grain(i).young_modulus; });
   text += per_type("poisson_ratio", "poissonsRatio", types, [&](auto i) { return grain(i).poisson_ratio; });
   text += per_pair("restitution", "coefficientRestitution", types,

@@ -16,6 +16,9 @@ namespace tuft::dem {
 /// finite position, material with grain properties. Throws InputError naming the grain or material.
 void check_grains(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings);
 
+/// LIGGGHTS' own box, m: DemSettings::box and expulsion_margin around it.
+[[nodiscard]] std::array<Vec3, 2> host_domain(const DemSettings& settings);
+
 /// Writes a `read_data` file (atom style granular). Numbers have 17 digits and read back to the same bits.
 void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
                      const std::array<Vec3, 2>& box);

@@ -13,7 +13,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 1;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 2;                 ///< raise with every change of this file
 
 /// Driver to host. Every request gets exactly one answer.
 enum class Request : char {
@@ -43,10 +43,11 @@ struct SharedState {
   std::uint64_t grains = 0;
 
   // Driver to host.
-  double step = 0;                  ///< s, of one substep
-  std::int64_t substeps = 0;        ///< of the window
-  double damping = 0;               ///< 1/s
-  std::array<double, 3> gravity{};  ///< m/s^2
+  double step = 0;                              ///< s, of one substep
+  std::int64_t substeps = 0;                    ///< of the window
+  double damping = 0;                           ///< 1/s
+  std::array<double, 3> gravity{};              ///< m/s^2
+  std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
 
   // Host to driver: the last window.
   std::array<double, 3> impulse_received{};  ///< N s, summed over grains and substeps as added to the forces
@@ -62,6 +63,14 @@ struct SharedState {
   double last_pair_work = 0;  ///< share of the last kick in each: a kick's middle is the moment of report
   double last_contact_work = 0;
   double last_damping_work = 0;
+
+  // Host to driver, and back on resume: of the grains that have been expelled. Kinetic energies are as of the
+  // first force evaluation outside; those that the last kick still counted with the rest wait in
+  // `expelled_pending`.
+  std::uint64_t expelled = 0;
+  double expelled_mass = 0;
+  std::array<double, 3> expelled_momentum{};
+  double expelled_energy = 0, expelled_pending = 0;
 
   // Host to driver: on request.
   double stored_energy = 0;  ///< J, elastic, in grain-grain contacts
@@ -94,6 +103,7 @@ struct SharedArrays {
     mass,
     radius,
     coordination,
+    expelled,  ///< 1: has left the box (written by the host; by the driver before a resume), else 0
     count
   };
 

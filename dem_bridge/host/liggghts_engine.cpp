@@ -22,6 +22,7 @@
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/vector.h"
@@ -107,6 +108,9 @@ struct LiggghtsEngine::Impl {
   }
 
   void publish_state();
+  void expel_what_left();
+  void expel(int atom);
+  void hold_expelled();
   void kick(bool in_run);
   void set_step(double step);
   void check_count();
@@ -132,6 +136,48 @@ void LiggghtsEngine::Impl::publish_state() {
         break;
       }
   }
+  expel_what_left();
+}
+
+/// Grains whose centre is outside the box. LIGGGHTS' own box is wider, so that none is lost to it before.
+void LiggghtsEngine::Impl::expel_what_left() {
+  const auto* const tag = lammps->atom->tag;
+  const Components x = components(SharedArrays::position_x);
+  const auto expelled = memory.array(SharedArrays::expelled);
+  const auto &low = shared.box_low, &high = shared.box_high;
+  for (int a = 0; a < local_count(); ++a) {
+    const auto i = static_cast<std::size_t>(tag[a] - 1);
+    const bool inside = x.x[i] >= low[0] && x.x[i] < high[0] && x.y[i] >= low[1] && x.y[i] < high[1] &&
+                        x.z[i] >= low[2] && x.z[i] < high[2];
+    if (!inside && expelled[i] == 0 && trouble.empty()) expel(a);
+  }
+}
+
+/// Books what a grain takes along. Flying alone, its kinetic energy at the force evaluation that comes is
+/// that of the last one and the work of its weight on the way.
+void LiggghtsEngine::Impl::expel(int a) {
+  auto* const atom = lammps->atom;
+  const double mass = atom->rmass[a], radius = atom->radius[a];
+  const Vec3 v = load3(atom->v[a]), momentum = mass * v;
+  const GrainState grain{v,    load3(atom->omega[a]),       Vec3(0, 0, 0), Vec3(0, 0, 0),
+                         mass, 0.4 * mass * radius * radius};
+  GrainLoad load{Vec3(0, 0, 0), Vec3(0, 0, 0), load3(shared.gravity.data()), 0, shared.step};
+  memory.array(SharedArrays::expelled)[index(a)] = 1;
+  ++shared.expelled;
+  shared.expelled_mass += mass;
+  for (std::size_t c = 0; c < 3; ++c) shared.expelled_momentum[c] += momentum[static_cast<Eigen::Index>(c)];
+  shared.expelled_pending += kick_grain(grain, load).kinetic;
+  atom->radius[a] *= 1e-6;  // so that nothing touches it
+}
+
+/// Expelled grains stand still where they left, from the kick after that on: until then their velocity tells
+/// where they were at the last one.
+void LiggghtsEngine::Impl::hold_expelled() {
+  auto* const atom = lammps->atom;
+  const auto expelled = memory.array(SharedArrays::expelled);
+  for (int a = 0; a < local_count(); ++a)
+    if (expelled[index(a)] != 0)
+      for (double** field : {atom->v, atom->omega, atom->f, atom->torque}) store3(field[a], Vec3(0, 0, 0));
 }
 
 /// Adds the window's load to the forces. In a run LIGGGHTS makes the closing half kick afterwards, under all
@@ -152,8 +198,12 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
   load.step = shared.step;
   Vec3 received(0, 0, 0), scale(0, 0, 0);
   double kinetic = 0, pair_work = 0, contact_work = 0, damping_work = 0;
+  const auto expelled = memory.array(SharedArrays::expelled);
+  if (shared.expelled > 0) hold_expelled();
+  shared.expelled_energy += std::exchange(shared.expelled_pending, 0);
   for (int a = 0; a < atom->nlocal; ++a) {
     const std::size_t i = index(a);
+    if (expelled[i] != 0) continue;
     const double mass = atom->rmass[a], radius = atom->radius[a];
     GrainState grain{
         load3(v[a]), load3(omega[a]), load3(f[a]), load3(torque[a]), mass, 0.4 * mass * radius * radius};

@@ -1,0 +1,105 @@
+/// Grains that leave their box: out of the run, and on the books.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "core/hdf5_file.h"
+#include "tests/verification/dem_bridge/bridge_scene.h"
+#include "tests/verification/same_energy.h"
+
+namespace tuft::dem::test {
+namespace {
+
+constexpr double window = 2e-6;
+
+double total(const InfillEnergy& e) {
+  return e.kinetic + e.stored + e.dissipated + e.gravity_potential + e.damping + e.expelled - e.contact_work;
+}
+
+/// One that flies out sideways, spinning, and one that falls and stays.
+Grains two_grains() {
+  Grains grains;
+  add_grain(grains, Vec3(0.008, 0, 0), 0.001, 1150);
+  add_grain(grains, Vec3(-0.004, 0, 0.004), 0.001, 1150);
+  return grains;
+}
+
+DemInfill flying(const Grains& grains) {
+  return {grains, {rubber()}, settings_in_box(0.01, Vec3(0, 0, -9.81))};
+}
+
+TEST(ExpelledGrains, TakeAlongWhatTheyHadAndBalanceTheEnergyToRounding) {
+  DemInfill infill = flying(two_grains());
+  infill.set_velocity(0, Vec3(5, 0, 1), Vec3(0, 300, 0));
+  infill.advance(window, 1, no_impulses(2));
+  const double start = total(infill.energy());
+  const double mass = infill.particles().mass[0];
+  double before = infill.particles().x[0];
+  while (infill.expelled().particles == 0 && before < 0.02) {
+    before = infill.particles().x[0];
+    infill.advance(window, 1, no_impulses(2));
+    EXPECT_NEAR(total(infill.energy()) / start, 1, 1e-12);
+  }
+  EXPECT_LT(before, 0.01);
+  const Expelled gone = infill.expelled();
+  const ParticleView view = infill.particles();
+  ASSERT_TRUE(view.is_expelled(0));
+  EXPECT_FALSE(view.is_expelled(1));
+  EXPECT_EQ(gone.particles, 1u);
+  EXPECT_EQ(gone.mass, mass);
+  EXPECT_NEAR(gone.momentum.x() / (5 * mass), 1, 1e-12);
+  const double spinning = 0.5 * 0.4 * mass * 1e-6 * 300 * 300, time = (view.x[0] - 0.008) / 5;
+  EXPECT_NEAR(gone.kinetic_energy, 0.5 * mass * (25 + std::pow(1 - 9.81 * time, 2)) + spinning,
+              1e-4 * gone.kinetic_energy);
+  const Vec3 where = view.position(0);
+  for (int k = 0; k < 200; ++k) {
+    infill.advance(window, 1, no_impulses(2));
+    EXPECT_NEAR(total(infill.energy()) / start, 1, 1e-12) << k;
+  }
+  EXPECT_EQ(infill.particles().position(0), where) << "it stands where it left";
+  EXPECT_EQ(infill.particles().velocity(0), Vec3(0, 0, 0));
+  EXPECT_LT(infill.particles().vz[1], -200 * window * 9.8) << "the other one falls on";
+}
+
+TEST(ExpelledGrains, AreNotThereForThoseThatFollow) {
+  Grains grains;
+  add_grain(grains, Vec3(0.0085, 0, 0), 0.001, 1150);
+  add_grain(grains, Vec3(0.0055, 0, 0), 0.001, 1150);  // flies through the place where the first one stands
+  DemInfill infill(grains, {rubber()}, settings_in_box(0.01));
+  infill.set_velocity(0, Vec3(5, 0, 0), Vec3(0, 0, 0));
+  infill.set_velocity(1, Vec3(5, 0, 0), Vec3(0, 0, 0));
+  while (infill.expelled().particles == 0) infill.advance(window, 1, no_impulses(2));
+  for (int k = 0; k < 200; ++k) infill.advance(window, 1, no_impulses(2));
+  EXPECT_EQ(infill.particles().vx[1], 5);
+  EXPECT_GT(infill.particles().x[1], 0.007);
+}
+
+TEST(ExpelledGrains, StayExpelledAcrossACheckpointToTheSameBits) {
+  const auto file = std::filesystem::temp_directory_path() / "tuft_expelled_grains.h5";
+  DemInfill whole = flying(two_grains()), resumed = flying(two_grains());
+  whole.set_velocity(0, Vec3(5, 0, 1), Vec3(0, 300, 0));
+  while (whole.expelled().particles == 0) whole.advance(window, 1, no_impulses(2));
+  {
+    h5::File saved = h5::File::create_atomically(file);
+    h5::Group root = saved.root();
+    whole.save(root);
+    saved.commit();
+  }
+  resumed.load(h5::File::open(file).root());
+  for (int k = 0; k < 20; ++k) {
+    whole.advance(window, 2, no_impulses(2));
+    resumed.advance(window, 2, no_impulses(2));
+  }
+  tuft::test::expect_same_energy(whole.energy(), resumed.energy());
+  EXPECT_EQ(whole.energy().expelled, resumed.energy().expelled);
+  EXPECT_EQ(resumed.expelled().momentum, whole.expelled().momentum);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(resumed.particles().position(i), whole.particles().position(i));
+    EXPECT_EQ(resumed.particles().is_expelled(i), i == 0);
+  }
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tuft::dem::test
