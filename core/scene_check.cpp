@@ -338,7 +338,8 @@ void complete_scene(Scene& scene, const Places& places) {
   if (scene.rig.is_specimen()) {
     complete_sph(scene.infill.sph, places, true);
     complete_specimen(scene, places);
-    check_dem_names(scene, places);
+    // A scene's rig.material may be another than its author's, whose grains then matter to grains alone.
+    if (scene.infill.approach == Approach::dem) check_dem_names(scene, places);
     check_effects(scene, places);
     return;
   }

@@ -36,7 +36,8 @@ TEST(DirectShear, YieldsWhereTheLawDoesInPureShearAndTheHalvesBearTheSame) {
     EXPECT_LT(test::run_test(scene, rig, test), 1e-3) << "energy";
   std::map<std::string, Quantity> results, notes;
   rig.add_results(results, notes);
-  const SoilFoamMaterial& law = *scene.materials.front().continuum;
+  const SoilFoamMaterial& law =
+      *scene.materials.at(static_cast<std::size_t>(scene.rig.specimen.material)).continuum;
   // Of the plane what still faces the other half: 1.5 mm of 30 mm are gone.
   const double left = 1 - (0.1 - yield_window / 2) * 15.0 / 30;
   double before = 0;

@@ -32,7 +32,8 @@ Scene small_ring(const std::string& material, const Overrides& more = {}) {
 
 /// Largest difference of the plate's stress from the law's at the same strain, over the largest stress.
 double difference_from_law(const Scene& scene, const std::vector<OedometerRow>& rows) {
-  test::UniaxialPoint point(*scene.materials.front().continuum);
+  test::UniaxialPoint point(
+      *scene.materials.at(static_cast<std::size_t>(scene.rig.specimen.material)).continuum);
   double largest = 0, peak = 0;
   for (const OedometerRow& row : rows) {
     point.move_to(-std::log(1 - row.strain));
