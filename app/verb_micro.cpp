@@ -55,7 +55,7 @@ std::string number(double value) {
 void print_statistics(const Look& look) {
   TextTable table;
   for (const micro::NamedValue& value :
-       named_values(describe_network(*look.network, coupler::particle_count(look.root))))
+       micro::named_values(micro::describe_network(*look.network, coupler::particle_count(look.root))))
     table.add({value.name, number(value.value), value.unit == "1" ? "" : value.unit});
   fmt::print("\ncontacts\n{}", table.text());
   constexpr double width = 0.5;
