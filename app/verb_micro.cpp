@@ -65,7 +65,7 @@ void print_statistics(const Look& look) {
     distribution.add({fmt::format("{:.1f} to {:.1f}", width * static_cast<double>(bin),
                                   width * static_cast<double>(bin + 1)),
                       number(density[bin])});
-  if (look.network->size() > 0) fmt::print("\nforces between particles\n{}", distribution.text());
+  if (density.front() > 0) fmt::print("\nforces between particles\n{}", distribution.text());
 }
 
 void print_profile(const Look& look) {
