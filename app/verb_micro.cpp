@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <optional>
 
@@ -52,12 +53,17 @@ std::string number(double value) {
   return fmt::format("{:.4g}", value);
 }
 
+/// Of SPH, whose particles have no contacts with each other, the numbers of contacts alone.
 void print_statistics(const Look& look) {
   TextTable table;
+  const auto& kinds = look.network->kind;
+  const bool between_particles = std::find(kinds.begin(), kinds.end(), ContactKind::grain) != kinds.end();
   for (const micro::NamedValue& value :
        micro::named_values(micro::describe_network(*look.network, coupler::particle_count(look.root))))
-    table.add({value.name, number(value.value), value.unit == "1" ? "" : value.unit});
+    if (between_particles || value.name.starts_with("contacts_"))
+      table.add({value.name, number(value.value), value.unit == "1" ? "" : value.unit});
   fmt::print("\ncontacts\n{}", table.text());
+  if (!between_particles) return;
   constexpr double width = 0.5;
   const std::vector<double> density = micro::force_distribution(*look.network, 12, width);
   TextTable distribution({"normal force over mean", "probability density"});
@@ -65,7 +71,7 @@ void print_statistics(const Look& look) {
     distribution.add({fmt::format("{:.1f} to {:.1f}", width * static_cast<double>(bin),
                                   width * static_cast<double>(bin + 1)),
                       number(density[bin])});
-  if (density.front() > 0) fmt::print("\nforces between particles\n{}", distribution.text());
+  fmt::print("\nforces between particles\n{}", distribution.text());
 }
 
 void print_profile(const Look& look) {
