@@ -144,6 +144,7 @@ int run_command_line(int count, const char* const* arguments) {
   register_point(program, action);
   register_calibrate(program, action);
   register_report(program, action);
+  register_micro(program, action);
   register_show(program, action);
   try {
     check_verb(program, count, arguments);

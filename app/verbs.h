@@ -13,6 +13,7 @@ void register_compare(CLI::App& program, Action& action);
 void register_calibrate(CLI::App& program, Action& action);
 void register_point(CLI::App& program, Action& action);
 void register_report(CLI::App& program, Action& action);
+void register_micro(CLI::App& program, Action& action);
 void register_show(CLI::App& program, Action& action);
 
 }  // namespace tuft::app

@@ -5,12 +5,14 @@
 /// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k
 /// positions stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k,
 /// kicks to t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "core/contact_network.h"
 #include "core/hdf5_file.h"
 #include "core/vector.h"
 
@@ -131,6 +133,13 @@ class Infill {
     std::vector<double> values;
   };
   [[nodiscard]] virtual std::vector<Field> fields() const = 0;
+
+  /// Contacts of the particles with each other where they stand now, all of kind grain. Empty where stress is
+  /// a state of the particles. Changes no bit of what follows.
+  [[nodiscard]] virtual ContactNetwork contacts() const { return {}; }
+  /// Volume times Cauchy stress (tension positive) of each particle, J: xx yy zz xy yz zx. Empty where stress
+  /// is that of the contacts.
+  [[nodiscard]] virtual std::vector<std::array<double, 6>> stress_moments() const { return {}; }
 };
 
 }  // namespace tuft

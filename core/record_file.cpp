@@ -156,17 +156,28 @@ RecordFile RecordFile::reopen(const std::filesystem::path& path,
 }
 
 void RecordFile::append(std::string_view channel, std::span<const double> row) {
-  ChannelState& state = impl_->find(channel);
+  const ChannelState& state = impl_->find(channel);
   if (row.size() != state.row_size)
     throw_run_error("{}: {}: a row has {} values, {} given", impl_->path.string(), channel, state.row_size,
                     row.size());
+  append_rows(channel, row);
+}
+
+void RecordFile::append_rows(std::string_view channel, std::span<const double> rows) {
+  ChannelState& state = impl_->find(channel);
+  if (rows.size() % state.row_size != 0)
+    throw_run_error("{}: {}: rows have {} values, {} given are no whole number of them", impl_->path.string(),
+                    channel, state.row_size, rows.size());
   const auto bad =
-      std::find_if_not(row.begin(), row.end(), [](double value) { return std::isfinite(value); });
-  if (bad != row.end())
+      std::find_if_not(rows.begin(), rows.end(), [](double value) { return std::isfinite(value); });
+  if (bad != rows.end()) {
+    const auto place = static_cast<std::uint64_t>(bad - rows.begin());
     throw_run_error("{}: {}: value {} of row {} is {}; the run has gone unstable", impl_->path.string(),
-                    channel, bad - row.begin(), state.rows_on_disk + state.rows_buffered, *bad);
-  state.buffer.insert(state.buffer.end(), row.begin(), row.end());
-  ++state.rows_buffered;
+                    channel, place % state.row_size,
+                    state.rows_on_disk + state.rows_buffered + place / state.row_size, *bad);
+  }
+  state.buffer.insert(state.buffer.end(), rows.begin(), rows.end());
+  state.rows_buffered += rows.size() / state.row_size;
 }
 
 void RecordFile::append(std::string_view channel, double value) {

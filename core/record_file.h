@@ -24,6 +24,7 @@ struct Channel {
   std::string unit;                        ///< "m/s^2"; attribute `unit` of the dataset
   std::vector<std::uint64_t> row_shape;    ///< {} for one number a row, {N, 3} for N vectors
   bool single_precision = false;           ///< stored as float (frames)
+  bool integer = false;                    ///< stored as a whole number of 32 bits (indices)
 };
 
 class RecordFile {
@@ -38,6 +39,8 @@ class RecordFile {
   /// Buffers one row. Row length must match the channel; non-finite values throw RunError naming the channel.
   void append(std::string_view channel, std::span<const double> row);
   void append(std::string_view channel, double value);
+  /// Any number of rows, one after the other.
+  void append_rows(std::string_view channel, std::span<const double> rows);
   /// Writes what is buffered. Throws RunError with the free space when the disk is full; what was flushed before
   /// stays readable, and the buffered rows are dropped.
   void flush();

@@ -39,7 +39,7 @@ std::uint64_t row_size(const Channel& channel) {
 }
 
 std::uint64_t value_size(const Channel& channel) {
-  return channel.single_precision ? sizeof(float) : sizeof(double);
+  return channel.integer ? sizeof(std::int32_t) : channel.single_precision ? sizeof(float) : sizeof(double);
 }
 
 std::vector<std::uint64_t> chunk_shape(const Channel& channel) {
@@ -68,7 +68,9 @@ void create_channel(h5::Group& root, const Channel& channel) {
   const Id creation(H5Pcreate(H5P_DATASET_CREATE)), links(H5Pcreate(H5P_LINK_CREATE));
   H5Pset_chunk(creation.get(), rank, chunk.data());
   H5Pset_create_intermediate_group(links.get(), 1);
-  const hid_t type = channel.single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  const hid_t type = channel.integer            ? H5T_STD_I32LE
+                     : channel.single_precision ? H5T_IEEE_F32LE
+                                                : H5T_IEEE_F64LE;
   const Id dataset(require(H5Dcreate2(handle.id.get(), channel.path.c_str(), type, space.get(), links.get(),
                                       creation.get(), H5P_DEFAULT),
                            file, channel.path, "cannot create the dataset"));
@@ -91,7 +93,12 @@ std::vector<std::pair<Channel, std::uint64_t>> list_channels(const std::filesyst
     const auto limit = extent_of(object, *file, name, true);
     if (limit.empty() || limit.front() != H5S_UNLIMITED) continue;
     const Id type(H5Dget_type(object.get()));
-    Channel channel{name, root.attribute("unit", name), {}, H5Tget_size(type.get()) == sizeof(float)};
+    const bool integer = H5Tget_class(type.get()) == H5T_INTEGER;
+    Channel channel{name,
+                    root.attribute("unit", name),
+                    {},
+                    !integer && H5Tget_size(type.get()) == sizeof(float),
+                    integer};
     const auto now = extent_of(object, *file, name, false);
     channel.row_shape.assign(now.begin() + 1, now.end());
     channels.emplace_back(std::move(channel), now.front());

@@ -397,10 +397,19 @@ struct Numerics {
   int threads = 0;  ///< 0: all cores
 };
 
+/// What of the micro-scale frames hold (docs/theory/micro_scale.md). Looking changes nothing of a run.
+struct MicroOutput {
+  bool contacts = false;  ///< the contact network with its forces and statistics, and spins
+  bool fields = false;    ///< coarse-grained fields on a grid
+  double cell = 0.005;    ///< m, of the grid
+  double width = 0;       ///< m, coarse-graining width, half the kernel's cutoff; 0: a cell
+};
+
 struct Output {
   double frames = 0.0005;          ///< s between frames
   double histories = 0.00002;      ///< s between history rows (raw acceleration is kept at this rate)
   double checkpoint_every = 0.01;  ///< s between checkpoints; 0: only at the end and on interruption
+  MicroOutput micro;
 };
 
 struct Scene {

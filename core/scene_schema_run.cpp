@@ -180,9 +180,10 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
   keys.number(
       {"sleep_tolerance", "strain of waves under which SPH infill at rest is not computed; 0: all is"},
       numerics.sleep_tolerance, {0, 1, false, true});
-  keys.integer({"individual_steps",
-                "steps of the run, 2, 4, 8 or 16, that a step of SPH particles in soft layers may last; 1: one"},
-               numerics.individual_steps, {1, 16, false, false});
+  keys.integer(
+      {"individual_steps",
+       "steps of the run, 2, 4, 8 or 16, that a step of SPH particles in soft layers may last; 1: one"},
+      numerics.individual_steps, {1, 16, false, false});
   keys.quantity(
       {"coupling_window", "time between exchanges; 0: the larger of the carpet's and the infill's step"},
       numerics.coupling_window, "s", non_negative);
@@ -213,6 +214,13 @@ void describe_output(KeyVisitor& keys, Output& output) {
   keys.quantity({"histories", "time between rows of histories"}, output.histories, "s", positive);
   keys.quantity({"checkpoint_every", "time between checkpoints; 0: only at the end and on interruption"},
                 output.checkpoint_every, "s", non_negative);
+  keys.table({"micro", "contacts and coarse-grained fields with each frame"}, [&](KeyVisitor& inside) {
+    inside.flag({"contacts", "record the contact network, its statistics and spins"}, output.micro.contacts);
+    inside.flag({"fields", "record density, velocity, stress and porosity on a grid"}, output.micro.fields);
+    inside.quantity({"cell", "edge of a cell of the grid"}, output.micro.cell, "m", positive);
+    inside.quantity({"width", "coarse-graining width, half the cutoff of the kernel; 0: a cell"},
+                    output.micro.width, "m", non_negative);
+  });
 }
 
 }  // namespace tuft::schema

@@ -87,6 +87,10 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   return result;
 }
 
+double BodyContact::overlap_of(Index point, const RigidBody& body, const ParticleView& points) {
+  return points.radius[point] - surface_point(body, points.position(point), 0).distance;
+}
+
 BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                                                       const std::vector<RigidBody>& bodies, double dt,
                                                       double release, double release_before) {

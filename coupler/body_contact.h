@@ -39,6 +39,10 @@ class BodyContact {
                 double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
                 BodyImpulses& on_bodies);
 
+  /// Adds the forces that an evaluation over `dt` would find now, without making it (contact_forces.cpp).
+  void list_forces(const ParticleView& points, const std::vector<RigidBody>& bodies, double dt,
+                   double release, double release_before, ContactNetwork& network) const;
+
   /// Ends all contact with a body before it is taken away: normal springs count as damped, tangential ones as
   /// friction.
   void let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies, double release);
@@ -84,6 +88,8 @@ class BodyContact {
   };
   Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
                        double ahead, double dt, double release, double release_before);
+  /// m, of a point where it stands.
+  static double overlap_of(Index point, const RigidBody& body, const ParticleView& points);
   /// Of a point with kicks of its own and a body that cannot move.
   Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                               const std::vector<RigidBody>& bodies, double dt, double release,

@@ -65,6 +65,11 @@ class ParticleShellContact {
   /// The same without any pairs yet, after load.
   void leave_out(std::span<const std::uint8_t> eroded);
 
+  /// Adds the forces that an evaluation over `dt` would find now, without making it: a contact a particle and
+  /// surface, its branch from the particle's centre to the point of contact (contact_forces.cpp).
+  void list_forces(const ParticleView& particles, const fe::NodeView& nodes, double dt, double release,
+                   double release_before, ContactNetwork& network) const;
+
   [[nodiscard]] const ContactEnergy& energy() const { return energy_; }
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }

@@ -86,16 +86,22 @@ void write_static(h5::Group& root, const Simulation& simulation, const std::stri
 Recorder Recorder::create(const std::filesystem::path& path, const Simulation& simulation,
                           const std::string& scene_text, const std::string& version,
                           const std::vector<RecordedColumn>& columns,
-                          const std::vector<RecordedColumn>& finished) {
-  return {RecordFile::create(path, declare_channels(simulation, columns, finished),
-                             [&](h5::Group& root) { write_static(root, simulation, scene_text, version); }),
-          columns, simulation};
+                          const std::vector<RecordedColumn>& finished, const MicroSettings& micro) {
+  const MicroRecorder micro_recorder(micro);
+  std::vector<Channel> channels = declare_channels(simulation, columns, finished);
+  for (Channel& channel : micro_recorder.channels(simulation)) channels.push_back(std::move(channel));
+  return {RecordFile::create(path, channels,
+                             [&](h5::Group& root) {
+                               write_static(root, simulation, scene_text, version);
+                               micro_recorder.write_static(root);
+                             }),
+          columns, micro_recorder, simulation};
 }
 
 Recorder Recorder::reopen(const std::filesystem::path& path, const Simulation& simulation,
                           const std::map<std::string, std::uint64_t>& rows,
-                          const std::vector<RecordedColumn>& columns) {
-  return {RecordFile::reopen(path, rows), columns, simulation};
+                          const std::vector<RecordedColumn>& columns, const MicroSettings& micro) {
+  return {RecordFile::reopen(path, rows), columns, MicroRecorder(micro), simulation};
 }
 
 void Recorder::record_history(double time, const std::vector<double>& row, const EnergyLedger& ledger) {
@@ -124,6 +130,7 @@ void Recorder::record_frame(double time, const Simulation& simulation) {
     if (body.can_move())
       file_.append("/frames/bodies/" + body.name + "/position",
                    std::span<const double>(body.position.data(), 3));
+  micro_.record(file_, time, simulation);
 }
 
 void Recorder::record_cost(double time, const std::map<std::string, double>& cost) {

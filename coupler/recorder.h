@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/record_file.h"
+#include "coupler/micro_recorder.h"
 #include "coupler/simulation.h"
 
 namespace tuft::coupler {
@@ -22,11 +23,11 @@ class Recorder {
   static Recorder create(const std::filesystem::path& path, const Simulation& simulation,
                          const std::string& scene_text, const std::string& version,
                          const std::vector<RecordedColumn>& columns,
-                         const std::vector<RecordedColumn>& finished);
+                         const std::vector<RecordedColumn>& finished, const MicroSettings& micro = {});
   /// Goes on after a checkpoint that was taken when `rows` rows stood in the file.
   static Recorder reopen(const std::filesystem::path& path, const Simulation& simulation,
                          const std::map<std::string, std::uint64_t>& rows,
-                         const std::vector<RecordedColumn>& columns);
+                         const std::vector<RecordedColumn>& columns, const MicroSettings& micro = {});
 
   /// One history row, and one of energies where the ledger has entered the moment. time: s since release.
   void record_history(double time, const std::vector<double>& row, const EnergyLedger& ledger);
@@ -40,10 +41,15 @@ class Recorder {
   [[nodiscard]] std::map<std::string, std::uint64_t> rows() const { return file_.rows(); }
 
  private:
-  Recorder(RecordFile file, std::vector<RecordedColumn> columns, const Simulation& simulation)
-      : file_(std::move(file)), columns_(std::move(columns)), entries_(simulation.ledger().entries()) {}
+  Recorder(RecordFile file, std::vector<RecordedColumn> columns, MicroRecorder micro,
+           const Simulation& simulation)
+      : file_(std::move(file)),
+        columns_(std::move(columns)),
+        micro_(std::move(micro)),
+        entries_(simulation.ledger().entries()) {}
   RecordFile file_;
   std::vector<RecordedColumn> columns_;
+  MicroRecorder micro_;
   std::uint64_t entries_;  ///< of the ledger, at the last row
   std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
 };

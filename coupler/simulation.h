@@ -89,6 +89,9 @@ class Simulation {
   [[nodiscard]] std::uint64_t searches() const { return searches_; }
   /// "fastest particle 12 (31.2 m/s), fastest node 40 (3.1 m/s)".
   [[nodiscard]] std::string describe_fastest() const;
+  /// Contacts of infill with carpet and bodies where all stand now, with the forces that the coming window
+  /// will begin with if steps stay as they are. Changes nothing.
+  [[nodiscard]] ContactNetwork boundary_contacts() const;
   /// Highest z of any particle's or free node's top within `radius` of (x, y), m.
   [[nodiscard]] double highest_infill(double x, double y, double radius) const;
   [[nodiscard]] double highest_carpet(double x, double y, double radius) const;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/error.h"
+#include "dem_bridge/dem_contacts.h"
 #include "dem_bridge/hertz.h"
 #include "dem_bridge/host_link.h"
 #include "dem_bridge/liggghts_script.h"
@@ -69,8 +70,8 @@ struct DemInfill::Impl {
 
   [[nodiscard]] SharedState& shared() { return host->memory().state(); }
   [[nodiscard]] std::span<double> array(std::size_t name) { return host->memory().array(name); }
-  void ask(Request request, std::string_view text = {}) {
-    host->ask(request, text, fmt::format("DEM infill at t = {:.9g} s", time));
+  std::string ask(Request request, std::string_view text = {}) {
+    return host->ask(request, text, fmt::format("DEM infill at t = {:.9g} s", time));
   }
 
   /// A host of its own for each life: LIGGGHTS cannot be emptied and filled again safely.
@@ -373,6 +374,10 @@ std::vector<Infill::Field> DemInfill::fields() const {
   my.ask(Request::contacts);
   const auto coordination = my.array(SharedArrays::coordination);
   return {{"coordination", "1", std::vector<double>(coordination.begin(), coordination.end())}};
+}
+
+ContactNetwork DemInfill::contacts() const {
+  return read_contacts(impl_->ask(Request::network), particles());
 }
 
 void DemInfill::set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin) {

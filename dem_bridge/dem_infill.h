@@ -87,6 +87,11 @@ class DemInfill final : public Infill {
   void save(h5::Group& group) override;
   void load(const h5::Group& group) override;
   [[nodiscard]] std::vector<Field> fields() const override;
+  /// Forces as of the last evaluation, at the present positions: with the impulse of the next window they are
+  /// what the next kick works under. They are LIGGGHTS' own, whatever its contact models
+  /// (host/contact_network.h), and their sums are checked against each grain's own force. Cost: about that of
+  /// one DEM step, and of carrying 32 bytes a contact.
+  [[nodiscard]] ContactNetwork contacts() const override;
 
   /// Before the first advance; std::logic_error afterwards.
   void set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin);

@@ -116,7 +116,7 @@ void HostLink::fail(std::string message) {
   throw RunError(failure_);
 }
 
-void HostLink::ask(Request request, std::string_view text, std::string_view doing) {
+std::string HostLink::ask(Request request, std::string_view text, std::string_view doing) {
   if (!failure_.empty()) throw RunError(failure_);
   std::string message(1, static_cast<char>(request));
   message += text;
@@ -158,6 +158,8 @@ void HostLink::ask(Request request, std::string_view text, std::string_view doin
   if (answer.empty() || answer[0] != static_cast<char>(Answer::done))
     fail(fmt::format("{}: {}", doing,
                      answer.size() > 1 ? answer.substr(1) : "liggghts_host gave an unknown answer"));
+  answer.erase(0, 1);
+  return answer;
 }
 
 }  // namespace tuft::dem

@@ -20,10 +20,10 @@ class HostLink {
   HostLink(const HostLink&) = delete;
   HostLink& operator=(const HostLink&) = delete;
 
-  /// Sends a request and waits for the answer without spinning. Throws RunError starting with `doing` when
-  /// the host reports a failure, dies (with its last words) or stays silent for longer than the timeout (it
-  /// is then killed). After a failure every further request throws the same error.
-  void ask(Request request, std::string_view text, std::string_view doing);
+  /// Sends a request and waits for the answer without spinning; returns its text. Throws RunError starting
+  /// with `doing` when the host reports a failure, dies (with its last words) or stays silent for longer than
+  /// the timeout (it is then killed). After a failure every further request throws the same error.
+  std::string ask(Request request, std::string_view text, std::string_view doing);
 
   [[nodiscard]] SharedMemory& memory() { return memory_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }

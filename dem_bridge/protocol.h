@@ -2,8 +2,10 @@
 /// What driver and liggghts_host agree on: the messages, and the layout of the memory they share.
 ///
 /// Control goes over one ZeroMQ PAIR socket (ipc, in a private folder): a message is one byte that says what,
-/// and for some a text. Bulk never travels: both map one POSIX shared memory object, which has no name any
-/// more when the host starts (it inherits the descriptor), so nothing is left behind whatever ends first.
+/// and for some a text. Bulk of every window never travels: both map one POSIX shared memory object, which
+/// has no name any more when the host starts (it inherits the descriptor), so nothing is left behind whatever
+/// ends first. Contacts, of which nobody knows the number before, are asked for now and then and come as the
+/// answer's text.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +15,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 2;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 3;                 ///< raise with every change of this file
 
 /// Driver to host. Every request gets exactly one answer.
 enum class Request : char {
@@ -23,6 +25,7 @@ enum class Request : char {
   advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the impulses of the shared memory
   energy = 'e',    ///< fills `stored_energy`
   contacts = 'o',  ///< fills the overlap statistics and the coordination numbers
+  network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
   save = 's',  ///< text: path of the restart file to write; own forces and torques into the impulse arrays
   resume =
       'r',     ///< after commands that read a restart file: forces, torques, velocities, sums from the memory
@@ -31,8 +34,14 @@ enum class Request : char {
 
 /// Host to driver.
 enum class Answer : char {
-  done = 'd',
+  done = 'd',    ///< text: what was asked for, else none
   failed = 'f',  ///< text: why, one line
+};
+
+/// One contact of two grains in the answer to Request::network, sorted by grain.
+struct ContactRecord {
+  std::int32_t first = 0, second = 0;  ///< grain indices, first < second
+  std::array<double, 3> force{};       ///< N, on the first
 };
 
 /// Fixed part of the shared memory. Plain data; each field has one writer at a time, because the two ends

@@ -95,15 +95,15 @@ class Runner {
       const CheckpointRest rest = read_checkpoint(file("checkpoint.h5"), scene, state_);
       before_ = rest.spent;
       recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), state_.simulation(), rest.rows,
-                                                  rig_columns(*state_.rig)));
+                                                  rig_columns(*state_.rig), coupler::micro_settings(scene)));
       if (state_.index >= state_.schedule.release())
         set_drop_damping();
       else
         set_settle_damping();
     } else {
-      recorder_.emplace(coupler::Recorder::create(file("run.h5"), state_.simulation(), write_scene(scene),
-                                                  TUFT_VERSION, rig_columns(*state_.rig),
-                                                  finished_columns(*state_.rig)));
+      recorder_.emplace(coupler::Recorder::create(
+          file("run.h5"), state_.simulation(), write_scene(scene), TUFT_VERSION, rig_columns(*state_.rig),
+          finished_columns(*state_.rig), coupler::micro_settings(scene)));
       set_settle_damping();
     }
     state_.simulation().timers().add(Phase::packing, state_.built.packing_seconds);

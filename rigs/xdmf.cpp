@@ -10,48 +10,16 @@
 
 #include "core/error.h"
 #include "core/hdf5_file.h"
+#include "rigs/xdmf_items.h"
+#include "rigs/xdmf_micro.h"
 
 namespace tuft::rigs {
 namespace {
 
-using Shape = std::vector<std::uint64_t>;
-
-std::string dimensions(const Shape& shape) {
-  return fmt::format("{}", fmt::join(shape, " "));
-}
-
-std::string number_type(bool integer) {
-  return integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"";
-}
-
-/// A whole dataset.
-std::string data_item(const std::string& file, const std::string& path, const Shape& shape, bool integer) {
-  return fmt::format("<DataItem Dimensions=\"{}\" {} Format=\"HDF\">{}:{}</DataItem>", dimensions(shape),
-                     number_type(integer), file, path);
-}
-
-/// Row `frame` of a dataset [F, ...]: a hyperslab with start, stride and count for every dimension.
-std::string frame_item(const std::string& file, const std::string& path, const Shape& shape,
-                       std::uint64_t frame) {
-  Shape start(shape.size(), 0), stride(shape.size(), 1), count = shape;
-  start[0] = frame;
-  count[0] = 1;
-  const Shape row(shape.begin() + 1, shape.end());
-  return fmt::format(
-      "<DataItem ItemType=\"HyperSlab\" Dimensions=\"{}\" Type=\"HyperSlab\">\n"
-      "            <DataItem Dimensions=\"3 {}\" NumberType=\"Int\" Format=\"XML\">{} {} {}</DataItem>\n"
-      "            {}\n          </DataItem>",
-      dimensions(row), shape.size(), dimensions(start), dimensions(stride), dimensions(count),
-      data_item(file, path, shape, false));
-}
-
-std::string attribute(const std::string& name, bool vector, const std::string& item,
-                      std::string_view centre = "Node") {
-  return fmt::format(
-      "        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">\n          {}\n        "
-      "</Attribute>\n",
-      name, vector ? "Vector" : "Scalar", centre, item);
-}
+using xdmf::attribute;
+using xdmf::data_item;
+using xdmf::frame_item;
+using xdmf::Shape;
 
 /// What a moving set of points holds: fields that change [F, N] or [F, N, 3], and fields that do not [N].
 struct Part {
@@ -87,11 +55,13 @@ std::string grid(const std::string& file, const Part& part, std::uint64_t frame)
   text += fmt::format("        <Geometry GeometryType=\"XYZ\">\n          {}\n        </Geometry>\n",
                       frame_item(file, part.path + "/position", part.position, frame));
   for (const auto& [name, shape] : part.moving)
-    text += attribute(name, shape.size() == 3, frame_item(file, part.path + "/" + name, shape, frame));
+    text += attribute(name, shape.size() == 3 ? "Vector" : "Scalar",
+                      frame_item(file, part.path + "/" + name, shape, frame));
   for (const auto& [name, shape] : part.fixed_nodal)
-    text += attribute(name, false, data_item(file, part.path + "/" + name, shape, is_integer_field(name)));
+    text += attribute(name, "Scalar", data_item(file, part.path + "/" + name, shape, is_integer_field(name)));
   if (part.eroded)
-    text += attribute("eroded", false, frame_item(file, part.path + "/eroded", *part.eroded, frame), "Cell");
+    text +=
+        attribute("eroded", "Scalar", frame_item(file, part.path + "/eroded", *part.eroded, frame), "Cell");
   return text + "      </Grid>\n";
 }
 
@@ -138,21 +108,26 @@ Part carpet_part(const h5::Group& frames, const std::string& file) {
 std::string xdmf_text(const h5::Group& root, const std::string& file) {
   std::vector<Part> parts;
   std::vector<double> times;
+  std::optional<xdmf::MicroGrids> micro;
+  std::uint64_t whole = 0;
   if (root.has("frames")) {
     const h5::Group frames = root.open_group("frames");
     times = frames.read_doubles("time");
     if (frames.has("infill")) parts.push_back(infill_part(frames));
     if (frames.has("carpet")) parts.push_back(carpet_part(frames, file));
+    micro.emplace(frames, file);
+    whole = xdmf::whole_micro_frames(frames, whole_frames(parts, times.size()));
   }
   std::string text =
       "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::uint64_t frame = 0; frame < whole_frames(parts, times.size()); ++frame) {
+  for (std::uint64_t frame = 0; frame < whole; ++frame) {
     text += fmt::format(
         "    <Grid Name=\"frame {}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
         "      <Time Value=\"{:.9g}\"/>\n",
         frame, times[frame]);
     for (const Part& part : parts) text += grid(file, part, frame);
+    text += micro->contacts(frame) + micro->fields(frame);
     text += "    </Grid>\n";
   }
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";

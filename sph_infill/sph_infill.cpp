@@ -73,8 +73,8 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   settings.artificial_viscosity = given.artificial_viscosity;
   settings.soil_effects = given.soil_effects;
   settings.zero_energy_control = given.zero_energy_control;
-  settings.step_limit = make_step_limit(given.options, lattice.pitch, given.artificial_viscosity,
-                                        given.zero_energy_control);
+  settings.step_limit =
+      make_step_limit(given.options, lattice.pitch, given.artificial_viscosity, given.zero_energy_control);
   // Particles on walls stand for parts of a cell, as specimens give them: they are not squeezed.
   if (!lattice.radius.empty()) settings.step_limit.lattice_volume = 0;
   gravity = given.gravity;
@@ -279,6 +279,22 @@ std::vector<Infill::Field> SphInfill::fields() const {
                                     {"plastic_compression", "1", p.plastic_compression}};
   if (!p.lost_strength.empty()) fields.push_back({"lost_strength", "1", p.lost_strength});
   return fields;
+}
+
+std::vector<std::array<double, 6>> SphInfill::stress_moments() const {
+  const Particles& p = impl_->particles;
+  std::vector<std::array<double, 6>> moments(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const SoilState s = p.soil_state(i);
+    const double v = p.volume[i];
+    moments[i] = {v * (s.deviator.xx - s.pressure),
+                  v * (s.deviator.yy - s.pressure),
+                  v * (s.deviator.zz - s.pressure),
+                  v * s.deviator.xy,
+                  v * s.deviator.yz,
+                  v * s.deviator.zx};
+  }
+  return moments;
 }
 
 }  // namespace tuft::sph

@@ -114,6 +114,8 @@ class SphInfill final : public Infill {
   void save(h5::Group& group) override;
   void load(const h5::Group& group) override;
   [[nodiscard]] std::vector<Field> fields() const override;
+  /// As of the last stress evaluation, at the start of the last window.
+  [[nodiscard]] std::vector<std::array<double, 6>> stress_moments() const override;
 
   /// For tests and benchmarks: sets a particle's velocity before the first advance.
   void set_velocity(std::size_t i, const Vec3& v);

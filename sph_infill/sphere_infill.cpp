@@ -207,9 +207,10 @@ BlockSums SphereInfill::Impl::kick(double dt, const ContactImpulses* impulses, d
 /// values before and after.
 void SphereInfill::Impl::kick_sphere(std::size_t i, double dt, const Vec3& impulse, const Vec3& angular,
                                      BlockSums& sums) {
-  // KickLength::step_begun: spheres live in coupled runs alone. The first kick starts from rest, the last ends
-  // at t_k.
-  const double t = step_before > 0 && dt > 0 ? dt : 0.5 * (step_before + dt), half_damping = 0.5 * damping * t;
+  // KickLength::step_begun: spheres live in coupled runs alone. The first kick starts from rest, the last
+  // ends at t_k.
+  const double t = step_before > 0 && dt > 0 ? dt : 0.5 * (step_before + dt),
+               half_damping = 0.5 * damping * t;
   // The kick's impulses were given evenly over it: this share of each belongs before t_k.
   const double share = t > 0 ? std::min(1.0, 0.5 * step_before / t) : 0;
   const SphereLoad load = pairs.load_on(i, radius[i]);
@@ -378,6 +379,18 @@ void SphereInfill::load(const h5::Group& group) {
   m.particle_steps = group.read_count("particle_steps");
   m.displacement = 0;
   m.pairs.load(group.open_group("contacts"), m.view());
+}
+
+std::vector<std::array<double, 6>> SphereInfill::stress_moments() const {
+  const Impl& m = *impl_;
+  const SphereView view = m.view();
+  std::vector<std::array<double, 6>> moments(m.mass.size());
+  parallel_for(moments.size(), [&](std::size_t i) {
+    const Mat3 raw = m.pairs.stress_in(i, view, 1.0);  // times the volume; compression positive
+    const Mat3 moment = -0.5 * (raw + raw.transpose());
+    moments[i] = {moment(0, 0), moment(1, 1), moment(2, 2), moment(0, 1), moment(1, 2), moment(2, 0)};
+  });
+  return moments;
 }
 
 }  // namespace tuft::sph

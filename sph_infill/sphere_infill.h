@@ -55,6 +55,7 @@ class SphereInfill final : public Infill {
   /// The fields of SphInfill: pressure and stresses from the pair forces in a sphere's share of space,
   /// density by CompactionMeasure; plastic compression and lost strength are 0.
   [[nodiscard]] std::vector<Field> fields() const override;
+  [[nodiscard]] std::vector<std::array<double, 6>> stress_moments() const override;
 
   void set_velocity(std::size_t i, const Vec3& v);  ///< for tests, before the first advance
   void set_spin(std::size_t i, const Vec3& w);      ///< rad/s, the same

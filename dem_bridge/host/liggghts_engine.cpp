@@ -27,6 +27,7 @@
 
 #include "core/vector.h"
 #include "dem_bridge/hertz.h"
+#include "dem_bridge/host/contact_network.h"
 #include "dem_bridge/host/kick.h"
 #include "dem_bridge/host/screen_ring.h"
 
@@ -328,6 +329,7 @@ void LiggghtsEngine::set_up(const std::string& commands) {
   Impl& my = *impl_;
   std::istringstream stream(commands);
   for (std::string line; std::getline(stream, line);) my.command(line);
+  my.command(contact_forces_command);
   auto* coupling = dynamic_cast<LAMMPS_NS::FixExternal*>(my.lammps->modify->find_fix_id("coupling"));
   if (coupling == nullptr) throw std::runtime_error("the commands define no `fix coupling all external`");
   coupling->set_callback(&Impl::callback, &my);
@@ -421,6 +423,10 @@ void LiggghtsEngine::compute_contacts() {
   my.shared.overlap_mean = count == 0 ? 0 : sum / static_cast<double>(count);
   my.shared.overlap_percentile_99 = count == 0 ? 0 : overlaps[(count - 1) * 99 / 100];
   my.shared.overlap_largest = count == 0 ? 0 : overlaps.back();
+}
+
+std::string LiggghtsEngine::list_contacts() {
+  return dem::list_contacts(*impl_->lammps, impl_->memory, impl_->started);
 }
 
 /// Writing a restart file alone would let this run and one resumed from the file part in the order of their

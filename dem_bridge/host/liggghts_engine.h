@@ -29,6 +29,8 @@ class LiggghtsEngine {
   void advance();
   void compute_stored_energy();
   void compute_contacts();
+  /// The answer to Request::network (contact_network.h).
+  [[nodiscard]] std::string list_contacts();
   void save(const std::string& restart_file);
 
  private:

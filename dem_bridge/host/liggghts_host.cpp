@@ -41,23 +41,32 @@ bool receive(zmq::socket_t& socket, int driver_watch, pid_t driver, std::string&
   }
 }
 
-void serve(LiggghtsEngine& engine, Request request, const std::string& text) {
+/// What the answer is to carry.
+std::string serve(LiggghtsEngine& engine, Request request, const std::string& text) {
   switch (request) {
     case Request::hello:
     case Request::quit:
-      return;
+      return {};
     case Request::commands:
-      return engine.set_up(text);
+      engine.set_up(text);
+      return {};
     case Request::advance:
-      return engine.advance();
+      engine.advance();
+      return {};
     case Request::energy:
-      return engine.compute_stored_energy();
+      engine.compute_stored_energy();
+      return {};
     case Request::contacts:
-      return engine.compute_contacts();
+      engine.compute_contacts();
+      return {};
+    case Request::network:
+      return engine.list_contacts();
     case Request::save:
-      return engine.save(text);
+      engine.save(text);
+      return {};
     case Request::resume:
-      return engine.resume();
+      engine.resume();
+      return {};
   }
   throw std::runtime_error("unknown request");
 }
@@ -76,7 +85,7 @@ int run(const std::string& endpoint, pid_t driver) {
     const auto request = static_cast<Request>(message[0]);
     std::string answer(1, static_cast<char>(Answer::done));
     try {
-      serve(engine, request, message.substr(1));
+      answer += serve(engine, request, message.substr(1));
     } catch (const std::exception& error) {
       answer = static_cast<char>(Answer::failed) + std::string(error.what());
     }

@@ -345,5 +345,37 @@ TEST(RecordFile, FullDiskIsNoticedBeforeTheFileIsTouched) {
   EXPECT_EQ(check_with_plain_hdf5(file), 4010u);
 }
 
+TEST(RecordFile, TakesManyRowsAtOnceAndKeepsIntegersWholeWhenReopened) {
+  const ScratchFolder folder;
+  const auto file = folder / "run.h5";
+  const auto kind_of = [&] {
+    const hid_t open = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t set = H5Dopen2(open, "/pair", H5P_DEFAULT), type = H5Dget_type(set);
+    const auto kind = H5Tget_class(type);
+    H5Tclose(type), H5Dclose(set), H5Fclose(open);
+    return kind;
+  };
+  {
+    RecordFile record = RecordFile::create(file, {{"/pair", "1", {2}, false, true}}, {});
+    record.append_rows("/pair",
+                       std::vector<double>{1, 2, 3, 4, 16777217, 5});  // the last beyond single precision
+    record.append_rows("/pair", {});
+    EXPECT_THAT(message_of<RunError>([&] { record.append_rows("/pair", std::vector<double>(3, 1.0)); }),
+                HasSubstr("rows have 2 values, 3 given"));
+    EXPECT_THAT(message_of<RunError>([&] {
+                  record.append_rows("/pair", std::vector<double>{1, 2, 3, NAN});
+                }),
+                HasSubstr("value 1 of row 4 is nan"));
+    record.flush();
+    EXPECT_EQ(record.rows().at("/pair"), 3u);
+  }
+  EXPECT_EQ(kind_of(), H5T_INTEGER);
+  RecordFile again = RecordFile::reopen(file, {{"/pair", 2}});
+  again.append_rows("/pair", std::vector<double>{7, 8});
+  again.flush();
+  EXPECT_EQ(kind_of(), H5T_INTEGER);
+  EXPECT_EQ(h5::File::open(file).root().read_ints("pair"), (std::vector<std::int32_t>{1, 2, 3, 4, 7, 8}));
+}
+
 }  // namespace
 }  // namespace tuft

@@ -1,0 +1,31 @@
+#include "dem_bridge/dem_contacts.h"
+
+#include <cstring>
+
+#include "core/error.h"
+#include "dem_bridge/protocol.h"
+
+namespace tuft::dem {
+
+ContactNetwork read_contacts(const std::string& bytes, const ParticleView& grains) {
+  if (bytes.size() % sizeof(ContactRecord) != 0)
+    throw_run_error("DEM infill: {} bytes of contacts from liggghts_host, no multiple of {}", bytes.size(),
+                    sizeof(ContactRecord));
+  ContactNetwork network;
+  const auto count = static_cast<Index>(grains.size());
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(ContactRecord)) {
+    ContactRecord record;
+    std::memcpy(&record, bytes.data() + at, sizeof(record));
+    if (record.first < 0 || record.first >= record.second || record.second >= count)
+      throw_run_error("DEM infill: liggghts_host sent a contact of grains {} and {}; there are {}",
+                      record.first, record.second, count);
+    const auto i = static_cast<std::size_t>(record.first), j = static_cast<std::size_t>(record.second);
+    const Vec3 branch = grains.position(j) - grains.position(i), force(record.force.data());
+    const double distance = branch.norm();
+    network.add(ContactKind::grain, record.first, record.second, branch, -branch / distance, force,
+                grains.radius[i] + grains.radius[j] - distance);
+  }
+  return network;
+}
+
+}  // namespace tuft::dem
