@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "core/error.h"
-#include "dem_bridge/hertz.h"
+#include "dem_bridge/grain_contact.h"
 #include "dem_bridge/host_link.h"
 #include "dem_bridge/liggghts_script.h"
 
@@ -59,11 +59,10 @@ struct DemInfill::Impl {
     const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
     sizes = {grains.size(), *smallest, *largest};
     stable_step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < grains.size(); ++i) {
-      const GrainMaterial& grain = *materials[grains.material[i]].grain;
-      stable_step = std::min(stable_step, stable_grain_step(grains.radius[i], grains.density[i],
-                                                            grain.young_modulus, grain.poisson_ratio));
-    }
+    for (std::size_t i = 0; i < grains.size(); ++i)
+      stable_step =
+          std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
+                                                     used, materials, settings.options));
   }
 
   [[nodiscard]] SharedState& shared() { return host->memory().state(); }

@@ -40,10 +40,14 @@ struct PackingRequest {
 /// does).
 [[nodiscard]] Grains pack_grains(const PackingRequest& request);
 
+/// Factor on the diameters of a grain material: its own, else that of all.
+[[nodiscard]] double coarse_graining_of(const DemOptions& options, const std::string& material);
+
 struct DemSettings {
   DemOptions options;
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool rolling_resistance = true;
+  bool cohesion = false;
   std::array<Vec3, 2> box{};  ///< m, LIGGGHTS' domain; grains that leave it are lost (RunError)
 };
 
@@ -60,13 +64,15 @@ class DemInfill final : public Infill {
 
   [[nodiscard]] std::string_view approach() const override { return "dem"; }
   [[nodiscard]] ParticleView particles() const override;
-  /// 20 % of the smallest Rayleigh time pi r sqrt(rho/G) / (0.1631 nu + 0.8766) over the grains.
+  /// The smallest over the grains of 20 % of the Rayleigh time pi r sqrt(rho/G) / (0.1631 nu + 0.8766), and
+  /// with Hooke's contact of what its springs bear (dem_bridge/hooke.h).
   [[nodiscard]] double stable_step() const override;
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;
   /// All as of the last kick (t_k for one substep a window). kinetic, contact_work and damping are summed in
-  /// the host from what each kick did. stored is the closed form over the contacts: Hertz normal energy, and
-  /// the tangential and rolling springs with their present stiffness (dem_bridge/hertz.h).
+  /// the host from what each kick did. stored is the closed form over the contacts: normal, tangential and
+  /// rolling springs with their present stiffness (dem_bridge/hertz.h, hooke.h; cdt stores nothing), less
+  /// what cohesion has given (cohesion.h): it may be below 0.
   ///
   /// LIGGGHTS 3.8.0 registers energy options for its contact models (computeElasticPotential,
   /// computeDissipatedEnergy), but no integrator of the library sums them up; so what grain contacts
