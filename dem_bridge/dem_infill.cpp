@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/error.h"
 #include "dem_bridge/grain_contact.h"
@@ -45,8 +46,10 @@ struct DemInfill::Impl {
 
   std::unique_ptr<HostLink> host;
   bool started = false;
-  double time = 0;     // s, end of the last window
-  double damping = 0;  // 1/s
+  bool energy_wanted = false;      // of the coming window
+  bool stored_is_current = false;  // the host has stored energy at the last kick
+  double time = 0;                 // s, end of the last window
+  double damping = 0;              // 1/s
   double initial_stored = 0;
   double missing =
       0;  // J, energy that left the motion of the grains and is not stored, at the last `energy()`
@@ -198,6 +201,10 @@ double DemInfill::stable_step() const {
   return impl_->stable_step;
 }
 
+void DemInfill::begin_window(double, int, bool energy_wanted) {
+  impl_->energy_wanted = energy_wanted;
+}
+
 AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpulses& contact) {
   Impl& my = *impl_;
   if (!(window > 0) || !std::isfinite(window) || substeps < 1)
@@ -209,8 +216,10 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   shared.step = window / substeps;
   shared.substeps = substeps;
   shared.damping = my.damping;
+  shared.energy_wanted = my.energy_wanted ? 1 : 0;
   my.ask(Request::advance);
   my.started = true;
+  my.stored_is_current = std::exchange(my.energy_wanted, false);
   my.time += window;
   my.steps += static_cast<std::uint64_t>(substeps);
   my.waiting += shared.run_seconds;
@@ -230,7 +239,7 @@ void DemInfill::set_damping(double rate) {
 
 InfillEnergy DemInfill::energy() const {
   Impl& my = *impl_;
-  my.ask(Request::energy);
+  if (!my.stored_is_current) my.ask(Request::energy);
   const SharedState& shared = my.shared();
   InfillEnergy energy;
   energy.stored = shared.stored_energy;
@@ -268,9 +277,10 @@ void DemInfill::save(h5::Group& group) {
   my.write_vectors(group, "spin", SharedArrays::spin_x);
   my.write_vectors(group, "own_force", SharedArrays::linear_x);
   my.write_vectors(group, "own_torque", SharedArrays::angular_x);
-  group.write("works", std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
-                                           shared.last_pair_work, shared.last_contact_work,
-                                           shared.last_damping_work, shared.kinetic});
+  group.write("works",
+              std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
+                                  shared.last_pair_work, shared.last_contact_work, shared.last_damping_work,
+                                  shared.kinetic, shared.stored_energy, my.stored_is_current ? 1.0 : 0.0});
   group.write_scalar("time", my.time);
   group.write_scalar("step", shared.step);
   group.write_scalar("steps", my.steps);
@@ -289,8 +299,8 @@ void DemInfill::load(const h5::Group& group) {
         "of",
         my.grains.size());
   const std::vector<double> works = group.read_doubles("works");
-  if (works.size() != 7)
-    throw_input_error("checkpoint: {} works of the infill instead of 7: it is damaged", works.size());
+  if (works.size() != 9)
+    throw_input_error("checkpoint: {} works of the infill instead of 9: it is damaged", works.size());
   my.host = std::make_unique<HostLink>(my.settings.options.host, my.grains.size(),
                                        my.settings.options.answer_timeout);
   SharedState& shared = my.shared();
@@ -319,6 +329,8 @@ void DemInfill::load(const h5::Group& group) {
   shared.last_contact_work = works[4];
   shared.last_damping_work = works[5];
   shared.kinetic = works[6];
+  shared.stored_energy = works[7];
+  my.stored_is_current = works[8] != 0;
   if (my.started) my.ask(Request::resume);
 }
 

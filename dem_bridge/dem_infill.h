@@ -67,6 +67,7 @@ class DemInfill final : public Infill {
   /// The smallest over the grains of 20 % of the Rayleigh time pi r sqrt(rho/G) / (0.1631 nu + 0.8766), and
   /// with Hooke's contact of what its springs bear (dem_bridge/hooke.h).
   [[nodiscard]] double stable_step() const override;
+  void begin_window(double window, int substeps, bool energy_wanted) override;
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;
   /// All as of the last kick (t_k for one substep a window). kinetic, contact_work and damping are summed in
@@ -80,7 +81,10 @@ class DemInfill final : public Infill {
   /// not stored. A dissipation cannot shrink: dissipated adds up its increases from one call to the next, so
   /// energy that contacts create (a step beyond stability, a spring that remembers too long) is not hidden in
   /// it but breaks the balance of the sum. Cost: one pass over the neighbour list, about a third of a DEM
-  /// step; call it when recording.
+  /// step. In a window that was announced with energy_wanted it is made at the last kick, and all energies
+  /// are of that moment. Otherwise it is made on this call, with springs stretched as they are one step
+  /// later: off by the springs' forces times the slip of a step, to and fro, and `dissipated` adds up what is
+  /// off upwards.
   [[nodiscard]] InfillEnergy energy() const override;
   [[nodiscard]] std::uint64_t particle_steps() const override;
   void save(h5::Group& group) override;

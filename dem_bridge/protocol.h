@@ -13,7 +13,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 1;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 2;                 ///< raise with every change of this file
 
 /// Driver to host. Every request gets exactly one answer.
 enum class Request : char {
@@ -21,7 +21,7 @@ enum class Request : char {
   commands =
       'c',  ///< text: LIGGGHTS commands, one a line; the host adds its own fixes and does the first set-up
   advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the impulses of the shared memory
-  energy = 'e',    ///< fills `stored_energy`
+  energy = 'e',    ///< fills `stored_energy`, nearly: springs' elongations are those of one step later
   contacts = 'o',  ///< fills the overlap statistics and the coordination numbers
   save = 's',  ///< text: path of the restart file to write; own forces and torques into the impulse arrays
   resume =
@@ -46,6 +46,7 @@ struct SharedState {
   double step = 0;                  ///< s, of one substep
   std::int64_t substeps = 0;        ///< of the window
   double damping = 0;               ///< 1/s
+  std::int64_t energy_wanted = 0;   ///< 1: `stored_energy` at the last kick of the window
   std::array<double, 3> gravity{};  ///< m/s^2
 
   // Host to driver: the last window.
@@ -63,7 +64,7 @@ struct SharedState {
   double last_contact_work = 0;
   double last_damping_work = 0;
 
-  // Host to driver: on request.
+  // Host to driver: on request, the first also of a window.
   double stored_energy = 0;  ///< J, elastic, in grain-grain contacts
   double overlap_mean = 0, overlap_percentile_99 = 0, overlap_largest = 0;
   std::uint64_t contacts = 0;

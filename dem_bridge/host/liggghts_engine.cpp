@@ -121,7 +121,9 @@ struct LiggghtsEngine::Impl {
   [[nodiscard]] LAMMPS_NS::FixPropertyGlobal* property(const char* name, const char* style, int rows,
                                                        int columns);
   [[nodiscard]] std::vector<double> property_of_types(const char* name);
-  [[nodiscard]] double stored_energy();
+  /// As of the kick under way, or between kicks, nearly, as of the last.
+  [[nodiscard]] double stored_energy(bool in_kick);
+  void note_stored_energy();
 };
 
 void LiggghtsEngine::Impl::publish_state() {
@@ -187,6 +189,7 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
     shared.impulse_received[c] += received[static_cast<Eigen::Index>(c)];
     shared.impulse_scale[c] += scale[static_cast<Eigen::Index>(c)];
   }
+  if (shared.energy_wanted != 0 && (in_run ? substep : 0) == shared.substeps - 1) note_stored_energy();
   shared.kinetic = kinetic;
   shared.pair_work += shared.last_pair_work = pair_work;
   shared.contact_work += shared.last_contact_work = contact_work;
@@ -283,16 +286,17 @@ std::vector<double> LiggghtsEngine::Impl::property_of_types(const char* name) {
   return values;
 }
 
-/// Elastic energy of all contacts where the last kick was made (positions moved back by one step), less what
-/// cohesion has given; the springs' elongations are those of the present positions. Which models there are is
-/// asked of LIGGGHTS: a characteristic velocity is Hooke's, a second vector of history the rolling spring's.
-double LiggghtsEngine::Impl::stored_energy() {
+/// Elastic energy of all contacts where the last kick was made, less what cohesion has given. Between kicks
+/// positions are moved back by one step, but springs' elongations stay those of the present positions, which
+/// is off by their force times the slip of a step. Which models there are is asked of LIGGGHTS: a
+/// characteristic velocity is Hooke's, a second vector of history the rolling spring's.
+double LiggghtsEngine::Impl::stored_energy(bool in_kick) {
   const auto* atom = lammps->atom;
   const auto young = property_of_types("youngsModulus"), poisson = property_of_types("poissonsRatio");
   auto* const velocity_of_hooke = property("characteristicVelocity", "scalar", 0, 0);
   auto* const cohesion = property("cohesionEnergyDensity", "peratomtypepair", atom->ntypes, atom->ntypes);
   const bool rolling_spring = static_cast<LAMMPS_NS::PairGran*>(lammps->force->pair)->dnum() >= 6;
-  const double back = started ? shared.step : 0;
+  const double back = started && !in_kick ? shared.step : 0;
   const Components velocity = components(SharedArrays::velocity_x);
   double energy = 0;
   for_each_contact([&](int a, int b, const Vec3& distance, const double* history) {
@@ -323,6 +327,15 @@ double LiggghtsEngine::Impl::stored_energy() {
     if (rolling_spring) energy += 0.5 * load3(history + 3).squaredNorm() / (tangential * radius * radius);
   });
   return energy;
+}
+
+/// In a kick, which may be within LIGGGHTS: no exception may pass through it.
+void LiggghtsEngine::Impl::note_stored_energy() {
+  try {
+    shared.stored_energy = stored_energy(true);
+  } catch (const std::exception& error) {
+    trouble = error.what();
+  }
 }
 
 LiggghtsEngine::LiggghtsEngine(SharedMemory& memory) : impl_(std::make_unique<Impl>(memory)) {}
@@ -375,7 +388,7 @@ void LiggghtsEngine::advance() {
 }
 
 void LiggghtsEngine::compute_stored_energy() {
-  impl_->shared.stored_energy = impl_->stored_energy();
+  impl_->shared.stored_energy = impl_->stored_energy(false);
 }
 
 void LiggghtsEngine::compute_contacts() {

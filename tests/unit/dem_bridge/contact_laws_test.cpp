@@ -156,6 +156,10 @@ TEST_F(Contact, StepWithHooksSpringsIsTheSmallerOfBothAndKnowsTheStiffestPartner
   const std::vector<Index> rubber{1};
   const double radius = 0.0006, density = 1150;
   const double alone = stable_step_of_grain(radius, density, 1, rubber, materials_, hooke_);
+  const double mass = 4.0 / 3 * std::numbers::pi * std::pow(radius, 3) * density;
+  const double among_equals =
+      hooke_stiffness(effective_young_modulus(8e6, 0.45, 8e6, 0.45), 0.5 * radius, 0.5 * mass, 2);
+  EXPECT_NEAR(alone, stable_hooke_step(among_equals, mass, 0.5), 1e-12 * alone);
   EXPECT_LT(stable_step_of_grain(radius, density, 1, kinds_, materials_, hooke_), 0.9 * alone);
   hooke_.characteristic_velocity = 1e-3;  // soft springs: Rayleigh's time is smaller
   EXPECT_EQ(stable_step_of_grain(radius, density, 1, kinds_, materials_, hooke_),
