@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 #include "app/html.h"
@@ -10,16 +11,30 @@
 namespace tuft::app {
 namespace {
 
-/// "SPH" stays "SPH" unless two runs share it; then the folder's name tells them apart.
+/// Adds to labels that are shared what `told_apart` gives of their runs, where that differs.
+template <class ToldApart>
+void tell_apart(std::vector<RunData>& runs, ToldApart&& told_apart) {
+  std::map<std::string, std::set<std::string>> found;
+  std::map<std::string, int> count;
+  for (const RunData& run : runs) {
+    found[run.label].insert(told_apart(run));
+    ++count[run.label];
+  }
+  for (RunData& run : runs)
+    if (const std::string own = run.label; count[own] > 1 && found[own].size() > 1)
+      run.label += " · " + told_apart(run);
+}
+
+/// "SPH" stays "SPH" unless two runs share it; then the folder's name tells them apart. Tests of one material
+/// are told apart by approach first.
 void make_labels_unique(std::vector<RunData>& runs) {
-  std::multiset<std::string> seen;
-  for (const RunData& run : runs) seen.insert(run.label);
-  for (RunData& run : runs) {
-    if (seen.count(run.label) < 2) continue;
+  tell_apart(runs,
+             [](const RunData& run) { return std::string(run.summary.approach == "dem" ? "DEM" : "SPH"); });
+  tell_apart(runs, [](const RunData& run) {
     const std::filesystem::path name = run.folder.has_filename() ? run.folder : run.folder.parent_path();
     const bool member = name.filename() == "sph" || name.filename() == "dem";
-    run.label += " · " + (member ? name.parent_path().filename() : name.filename()).string();
-  }
+    return (member ? name.parent_path().filename() : name.filename()).string();
+  });
 }
 
 std::string body_of(const Runs& runs) {

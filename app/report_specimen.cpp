@@ -118,7 +118,8 @@ std::string ring_results(const Runs& runs) {
   return table.html() + "<h3>First loading</h3>\n" + first.html() +
          "<p class=\"note\">Stress: force on the upper plate over the ring’s area. Strain: compression over "
          "the height "
-         "as placed. Moduli: secants between 10 % and 90 % of the cycle’s largest stress. Loop loss: share "
+         "as placed, of grains over that under the plate as it first bears the seating force. Moduli: "
+         "secants between 10 % and 90 % of the cycle’s largest stress. Loop loss: share "
          "of the "
          "loading’s work that unloading does not give back. – where a branch was not passed.</p>\n";
 }

@@ -78,11 +78,36 @@ Need need_tension_cutoff(const Scene&) {
   return {true, "loose infill bears no more tension than its material's tension_cutoff"};
 }
 
+/// "sand", or "sand on sbr": the first grains of the layers of which a property is above 0, of a material or
+/// as given for a pair; empty: none.
+std::string first_grains_with(const Scene& scene, double GrainMaterial::*own,
+                              std::optional<double> GrainPair::*of_pair) {
+  const std::string name =
+      first_with(scene, [own](const Material& m) { return m.grain && *m.grain.*own > 0; });
+  if (!name.empty()) return name;
+  const auto touching = touching_materials(scene);
+  for (const GrainPair& pair : scene.infill.dem.pairs) {
+    const Material* const a = &scene.materials[static_cast<std::size_t>(pair.materials[0])];
+    const Material* const b = &scene.materials[static_cast<std::size_t>(pair.materials[1])];
+    if ((pair.*of_pair).value_or(0) > 0 && std::ranges::count(touching, a) > 0 &&
+        std::ranges::count(touching, b) > 0)
+      return a->name + " on " + b->name;
+  }
+  return {};
+}
+
 Need need_rolling_resistance(const Scene& scene) {
   const std::string name =
-      first_with(scene, [](const Material& m) { return m.grain && m.grain->rolling_friction > 0; });
+      first_grains_with(scene, &GrainMaterial::rolling_friction, &GrainPair::rolling_friction);
   if (name.empty()) return {false, "no grain material has rolling_friction above 0"};
   return {true, "grains of " + name + " resist rolling (angular grains drawn as spheres)"};
+}
+
+Need need_grain_cohesion(const Scene& scene) {
+  const std::string name =
+      first_grains_with(scene, &GrainMaterial::cohesion_energy_density, &GrainPair::cohesion_energy_density);
+  if (name.empty()) return {false, "no grain material or pair has a cohesion_energy_density above 0"};
+  return {true, "grains of " + name + " hold to each other (cohesion_energy_density above 0)"};
 }
 
 Need need_overlap_release(const Scene& scene) {
@@ -188,6 +213,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"zero_energy_control", Approach::sph, need_zero_energy_control},
     {"tension_cutoff", Approach::sph, need_tension_cutoff},
     {"rolling_resistance", Approach::dem, need_rolling_resistance},
+    {"grain_cohesion", Approach::dem, need_grain_cohesion},
     {"overlap_release", std::nullopt, need_overlap_release},
     {"contact_damping", std::nullopt, need_contact_damping},
     {"erosion", std::nullopt, need_erosion},

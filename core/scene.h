@@ -182,16 +182,35 @@ struct SoilFoamMaterial {
   double dilation_angle = 0;  ///< rad, [0, pi/2): plastic expansion over plastic shear strain is its tangent
 };
 
+enum class SizeLaw {
+  uniform,    ///< every diameter between the limits alike
+  lognormal,  ///< cut off at the limits
+  sieve       ///< a measured curve, straight in the logarithm of diameter between its openings
+};
+/// What the shares of a distribution of sizes count.
+enum class SizeShares { number, mass };
+
+/// How the diameters of a kind of grain are distributed, true sizes, before coarse graining.
+struct GrainSizes {
+  SizeLaw law = SizeLaw::uniform;
+  SizeShares by = SizeShares::number;
+  double median = 0;               ///< m, > 0, of the lognormal law before it is cut off
+  double geometric_deviation = 0;  ///< > 1, of the lognormal law: exp of ln d's standard deviation
+  Curve sieve = {};                ///< x: opening, m; y: share that passes, from 0 to 1
+};
+
 /// One kind of grain.
 struct GrainMaterial {
-  double density = 0;           ///< kg/m^3, of the solid
-  double young_modulus = 0;     ///< Pa
-  double poisson_ratio = 0;     ///< (0, 0.5)
-  double restitution = 0;       ///< (0, 1]
-  double friction = 0;          ///< sliding, with its own kind
-  double rolling_friction = 0;  ///< epsd2 coefficient
-  double diameter_min = 0;      ///< m, true size, before coarse graining; uniform in number between the two
-  double diameter_max = 0;      ///< m
+  double density = 0;                  ///< kg/m^3, of the solid
+  double young_modulus = 0;            ///< Pa
+  double poisson_ratio = 0;            ///< (0, 0.5)
+  double restitution = 0;              ///< (0, 1]
+  double friction = 0;                 ///< sliding, with its own kind
+  double rolling_friction = 0;         ///< torque over normal force and effective radius r*
+  double diameter_min = 0;             ///< m, true size, before coarse graining
+  double diameter_max = 0;             ///< m
+  double cohesion_energy_density = 0;  ///< J/m^3, >= 0: cohesive force over contact area (sjkr)
+  GrainSizes sizes = {};
 };
 
 /// Share of a grain material in a layer's mass (a mixture has two, a pure material one: itself).
@@ -246,18 +265,32 @@ struct SphOptions {
   double zero_energy_viscosity = 0.05;  ///< zeta of the control of zero-energy modes (sph_loops.h)
 };
 
-struct GrainPairFriction {
+/// What two unlike grains have between them; what is left out is the mean of the two materials.
+struct GrainPair {
   std::array<Index, 2> materials{};
-  double friction = 0;
+  std::optional<double> friction = {};                 ///< >= 0
+  std::optional<double> restitution = {};              ///< (0, 1]
+  std::optional<double> rolling_friction = {};         ///< >= 0
+  std::optional<double> cohesion_energy_density = {};  ///< J/m^3, >= 0
 };
 
+/// Normal and tangential springs of grains: stiffening with overlap (Hertz, Mindlin), or constant (Hooke).
+enum class GrainContact { hertz, hooke };
+/// Rolling resistance: an elastic-plastic spring (epsd2), or a constant torque against rolling (cdt).
+enum class RollingModel { epsd2, cdt };
+
 struct DemOptions {
-  double coarse_graining = 1;                              ///< >= 1, scales diameters; E, mu and e kept
+  double coarse_graining = 1;  ///< >= 1, scales diameters; material properties kept (docs/theory/dem.md)
   std::map<std::string, double> material_coarse_graining;  ///< own factor for a grain material, by name
-  std::vector<GrainPairFriction> pairs;  ///< friction of unlike pairs; default: mean of the two
-  std::string host;                      ///< path of liggghts_host; empty: beside the program
-  double answer_timeout = 30;            ///< s without an answer until the host counts as hung
-  double settle_time = 0.0105;           ///< s of packing dynamics, after the geometric packing
+  GrainContact contact = GrainContact::hertz;
+  /// m/s, > 0 with Hooke, 0 with Hertz: two grains meeting at it overlap as much as under Hertz's law. The
+  /// reader makes it the missile's speed where a scene leaves it out.
+  double characteristic_velocity = 0;
+  RollingModel rolling = RollingModel::epsd2;
+  std::vector<GrainPair> pairs;
+  std::string host;             ///< path of liggghts_host; empty: beside the program
+  double answer_timeout = 30;   ///< s without an answer until the host counts as hung
+  double settle_time = 0.0105;  ///< s of packing dynamics, after the geometric packing
   bool use_cache = true;
 };
 
@@ -440,8 +473,8 @@ struct EffectDecision {
 
 /// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
 /// (velocity-dependent friction), artificial_viscosity, zero_energy_control, tension_cutoff,
-/// rolling_resistance, overlap_release, contact_damping, erosion, density_hardening, strength_softening,
-/// strength_recovery, strength_rate, dilation, shear_energy.
+/// rolling_resistance, grain_cohesion, overlap_release, contact_damping, erosion, density_hardening,
+/// strength_softening, strength_recovery, strength_rate, dilation, shear_energy.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 /// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
 [[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/grain_check.h"
 
 namespace tuft {
 namespace {
@@ -143,19 +143,6 @@ void complete_sph(SphOptions& sph, const Places& places, bool of_specimen) {
   sph.kernel = values->kernel;
   if (!values->zero_energy_control && !places.has("infill.sph.zero_energy_viscosity"))
     sph.zero_energy_viscosity = 0;
-}
-
-void check_dem_names(const Scene& scene, const Places& places) {
-  std::vector<std::string> names;
-  for (const Material& material : scene.materials) names.push_back(material.name);
-  for (const auto& [name, factor] : scene.infill.dem.material_coarse_graining) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    const auto nearest = nearest_name(name, names);
-    places.fail("infill.dem.material_coarse_graining." + name,
-                nearest
-                    ? fmt::format("no layer holds this material; did you mean \"{}\"?", *nearest)
-                    : fmt::format("no layer holds this material; the scene has {}", fmt::join(names, ", ")));
-  }
 }
 
 /// The material that `path` names must be usable with the approach that was chosen.
@@ -326,9 +313,7 @@ void complete_material(Material& material, Index self, const std::string& path, 
     check_continuum(*material.continuum, path + ".continuum", places);
   }
   if (material.grain) {
-    if (material.grain->diameter_max < material.grain->diameter_min)
-      places.fail(path + ".grain.diameter_max",
-                  fmt::format("is below diameter_min ({})", in_mm(material.grain->diameter_min)));
+    complete_grain(*material.grain, path + ".grain", places);
     if (material.grain_shares.empty()) material.grain_shares = {{self, 1.0}};
   }
   check_shares(material, path, places);
@@ -339,7 +324,7 @@ void complete_scene(Scene& scene, const Places& places) {
     complete_sph(scene.infill.sph, places, true);
     complete_specimen(scene, places);
     // A scene's rig.material may be another than its author's, whose grains then matter to grains alone.
-    if (scene.infill.approach == Approach::dem) check_dem_names(scene, places);
+    if (scene.infill.approach == Approach::dem) complete_dem(scene, places);
     check_effects(scene, places);
     return;
   }
@@ -347,7 +332,7 @@ void complete_scene(Scene& scene, const Places& places) {
   check_shell_material(scene.turf.carpet.backing, "turf.carpet.backing", places);
   if (scene.rig.is_component()) return complete_tension(scene, places);
   complete_sph(scene.infill.sph, places, false);
-  check_dem_names(scene, places);
+  complete_dem(scene, places);
   check_layers(scene, places);
   check_tray(scene, places);
   check_conditioning(scene, places);

@@ -44,7 +44,7 @@ class ReferenceVisitor final : public KeyVisitor {
     add(key, unit, list, range.in_words().empty() ? "a list" : "a list, each " + range.in_words());
   }
   void curve(const Key& key, Curve&, const CurveAxes& axes) override {
-    add(key, axes.y_unit, "", fmt::format("{{ unit, {}, {} }}", axes.x_name, axes.y_name));
+    add(key, axes.unit(), "", fmt::format("{{ unit, {}, {} }}", axes.x_name, axes.y_name));
   }
   void numbers_by_name(const Key& key, std::map<std::string, double>&, const Range& range) override {
     add(key, "", "{ }", range.in_words());

@@ -48,10 +48,12 @@ constexpr Key required(std::string_view name, std::string_view meaning) {
   return {name, meaning, true};
 }
 
-/// Names and units of the two rows of numbers of a curve. An axis without unit is dimensionless.
+/// Names and units of the two rows of numbers of a curve. An axis without unit is dimensionless; one has a
+/// unit, and where both do it is the same.
 struct CurveAxes {
   std::string_view x_name, x_unit, y_name, y_unit;
   Range y_range;
+  [[nodiscard]] std::string_view unit() const { return y_unit.empty() ? x_unit : y_unit; }
 };
 
 /// Walks over keys. References may be written to (reading) or only looked at.

@@ -10,6 +10,8 @@ constexpr std::string_view presets[] = {"accurate", "fast", "paper", "specimen",
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
 constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension", "oedometer",
                                      "direct_shear"};
+constexpr std::string_view grain_contacts[] = {"hertz", "hooke"};
+constexpr std::string_view rolling_models[] = {"epsd2", "cdt"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
 constexpr std::string_view strain_bases[] = {"length", "height"};
 constexpr std::string_view body_contacts[] = {"half_row", "penalty"};
@@ -37,21 +39,36 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
 }
 
 void describe_dem(KeyVisitor& keys, DemOptions& dem) {
-  keys.number({"coarse_graining", "factor on grain diameters; stiffness, friction and restitution kept"},
+  keys.number({"coarse_graining", "factor on grain diameters; material properties kept (theory/dem.md)"},
               dem.coarse_graining, at_least_one);
   keys.numbers_by_name({"material_coarse_graining", "own factor of a grain material, by its name"},
                        dem.material_coarse_graining, at_least_one);
+  keys.enumeration({"contact", "springs of contacts: hertz (stiffen with overlap), hooke (constant)"},
+                   dem.contact, grain_contacts);
+  keys.quantity({"characteristic_velocity",
+                 "hooke: two grains meeting at it overlap as under Hertz's law; 0: the missile's speed"},
+                dem.characteristic_velocity, "m/s", non_negative);
+  keys.enumeration(
+      {"rolling", "effect rolling_resistance: epsd2 (elastic-plastic spring), cdt (constant torque)"},
+      dem.rolling, rolling_models);
   keys.text({"host", "path of liggghts_host; empty: beside the program"}, dem.host);
   keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
                 dem.answer_timeout, "s", positive);
   keys.quantity({"settle_time", "packing dynamics after the geometric packing"}, dem.settle_time, "s",
                 non_negative);
   keys.flag({"use_cache", "reuse a settled packing of an earlier run with the same inputs"}, dem.use_cache);
-  keys.list<GrainPairFriction>(
-      {"pairs", "friction of unlike grains; left out: mean of the two"}, dem.pairs,
-      [](KeyVisitor& inside, GrainPairFriction& pair) {
+  keys.list<GrainPair>(
+      {"pairs", "what unlike grains have between them; left out: mean of the two"}, dem.pairs,
+      [](KeyVisitor& inside, GrainPair& pair) {
         inside.materials(required("materials", "the two grain materials"), pair.materials);
-        inside.number(required("friction", "sliding friction"), pair.friction, non_negative);
+        inside.optional_number({"friction", "sliding friction; left out: mean"}, pair.friction, non_negative);
+        inside.optional_number({"restitution", "coefficient of restitution; left out: mean"},
+                               pair.restitution, share);
+        inside.optional_number({"rolling_friction", "of the rolling resistance; left out: mean"},
+                               pair.rolling_friction, non_negative);
+        inside.optional_quantity(
+            {"cohesion_energy_density", "cohesive force over contact area; left out: mean"},
+            pair.cohesion_energy_density, "J/m^3", non_negative);
       });
 }
 

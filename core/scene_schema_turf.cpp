@@ -129,16 +129,37 @@ void describe_continuum(KeyVisitor& keys, SoilFoamMaterial& material) {
   describe_continuum_options(keys, material);
 }
 
+void describe_grain_sizes(KeyVisitor& keys, GrainSizes& sizes) {
+  static constexpr std::string_view laws[] = {"uniform", "lognormal", "sieve"};
+  static constexpr std::string_view shares[] = {"number", "mass"};
+  keys.enumeration(
+      {"law", "uniform, or lognormal cut off, from diameter_min to diameter_max; sieve: a curve"}, sizes.law,
+      laws);
+  keys.enumeration({"by", "what shares count: number of grains, or mass; lognormal and sieve need it given"},
+                   sizes.by, shares);
+  keys.quantity({"median", "lognormal: median before it is cut off"}, sizes.median, "m", non_negative);
+  keys.number({"geometric_deviation", "lognormal: geometric standard deviation, above 1"},
+              sizes.geometric_deviation, non_negative);
+  keys.curve({"sieve", "sieve: share that passes each opening, from 0 to 1"}, sizes.sieve,
+             {"opening", "m", "passing", "", {0, 1, false, false}});
+}
+
 void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {
   keys.quantity(required("density", "density of the solid"), grain.density, "kg/m^3", positive);
   keys.quantity(required("young_modulus", "Young's modulus"), grain.young_modulus, "Pa", positive);
   keys.number(required("poisson_ratio", "Poisson's ratio"), grain.poisson_ratio, {0, 0.5, true, true});
   keys.number(required("restitution", "coefficient of restitution"), grain.restitution, share);
   keys.number(required("friction", "sliding friction with its own kind"), grain.friction, non_negative);
-  keys.number({"rolling_friction", "coefficient of the rolling resistance (epsd2)"}, grain.rolling_friction,
+  keys.number({"rolling_friction", "coefficient of the rolling resistance"}, grain.rolling_friction,
               non_negative);
-  keys.quantity(required("diameter_min", "smallest grain, true size"), grain.diameter_min, "m", positive);
-  keys.quantity(required("diameter_max", "largest grain, true size"), grain.diameter_max, "m", positive);
+  keys.quantity({"cohesion_energy_density", "effect grain_cohesion: cohesive force over contact area"},
+                grain.cohesion_energy_density, "J/m^3", non_negative);
+  keys.quantity({"diameter_min", "smallest grain, true size; of law sieve: left out"}, grain.diameter_min,
+                "m", non_negative);
+  keys.quantity({"diameter_max", "largest grain, true size; of law sieve: left out"}, grain.diameter_max, "m",
+                non_negative);
+  keys.table({"sizes", "distribution of diameters; left out: uniform in number"},
+             [&](KeyVisitor& inside) { describe_grain_sizes(inside, grain.sizes); });
 }
 
 void describe_grain_share(KeyVisitor& keys, GrainShare& share_of) {
@@ -168,8 +189,8 @@ void describe_conditioning(KeyVisitor& keys, Conditioning& conditioning) {
               methods);
   keys.quantity({"depth", "of the plate's lowest place below the infill's surface as placed"},
                 conditioning.depth, "m", positive);
-  keys.quantity({"press_time", "in which the plate comes down from the fibres' tips"}, conditioning.press_time,
-                "s", positive);
+  keys.quantity({"press_time", "in which the plate comes down from the fibres' tips"},
+                conditioning.press_time, "s", positive);
   keys.quantity({"lift_time", "in which it goes back up"}, conditioning.lift_time, "s", positive);
   keys.quantity({"settle_time", "gravity settling after it"}, conditioning.settle_time, "s", non_negative);
   keys.number({"sphere_diameter",
@@ -177,11 +198,12 @@ void describe_conditioning(KeyVisitor& keys, Conditioning& conditioning) {
               conditioning.sphere_diameter, positive);
   keys.number({"sphere_friction", "sph: of these spheres on each other"}, conditioning.sphere_friction,
               non_negative);
-  keys.enumeration({"state",
-                    "sph: at the density reached; initial: the material's own, with that density as its "
-                    "reference; compacted: as pressed beyond it and released; auto: compacted for materials with "
-                    "density_hardening"},
-                   conditioning.state, states);
+  keys.enumeration(
+      {"state",
+       "sph: at the density reached; initial: the material's own, with that density as its "
+       "reference; compacted: as pressed beyond it and released; auto: compacted for materials with "
+       "density_hardening"},
+      conditioning.state, states);
   keys.quantity({"frames", "time between frames meanwhile"}, conditioning.frames, "s", positive);
 }
 
@@ -308,9 +330,8 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
     keys.table({"infill", "how the infill is described"},
                [&](KeyVisitor& inside) { describe_infill(inside, scene.infill); });
   if (turf)
-    keys.table({"conditioning", "what the turf went through before"}, [&](KeyVisitor& inside) {
-      describe_conditioning(inside, scene.conditioning);
-    });
+    keys.table({"conditioning", "what the turf went through before"},
+               [&](KeyVisitor& inside) { describe_conditioning(inside, scene.conditioning); });
   keys.table({"rig", "what loads the turf"}, [&](KeyVisitor& inside) { describe_rig(inside, scene.rig); });
   if (infill)
     keys.table({"effects", "physics to switch: true, false, or \"auto\": on where the scene needs it"},

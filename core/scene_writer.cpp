@@ -72,8 +72,9 @@ class TomlWriter final : public KeyVisitor {
   }
   void curve(const Key& key, Curve& curve, const CurveAxes& axes) override {
     if (curve.x.empty()) return;  // another key stands in its place
-    line(key, fmt::format("{{ unit = \"{}\", {} = {}, {} = {} }}", axes.y_unit, axes.x_name,
-                          list_text(curve.x), axes.y_name, list_text(curve.y)));
+    const std::string_view unit = axes.unit();
+    line(key, fmt::format("{{ unit = \"{}\", {} = {}, {} = {} }}", unit, axes.x_name, list_text(curve.x),
+                          axes.y_name, list_text(curve.y)));
   }
   void numbers_by_name(const Key& key, std::map<std::string, double>& values, const Range&) override {
     std::string inside;

@@ -265,16 +265,15 @@ void TomlReader::quantity_list(const Key& key, std::vector<double>& values, std:
 }
 
 void TomlReader::curve(const Key& key, Curve& curve, const CurveAxes& axes) {
-  const toml::node* node =
-      find(key, fmt::format("{{ unit = \"kPa\", {} = [...], {} = [...] }}", axes.x_name, axes.y_name));
+  const std::string unit_like = axes.unit() == "m" ? "mm" : "kPa";
+  const std::string wanted =
+      fmt::format("{{ unit = \"{}\", {} = [...], {} = [...] }}", unit_like, axes.x_name, axes.y_name);
+  const toml::node* node = find(key, wanted);
   if (node == nullptr) return;
-  if (!node->is_table())
-    fail(key.name, *node,
-         fmt::format("a curve is needed: {{ unit = \"kPa\", {} = [...], {} = [...] }}", axes.x_name,
-                     axes.y_name));
+  if (!node->is_table()) fail(key.name, *node, "a curve is needed: " + wanted);
   // A curve is given whole, even where other keys may be left out.
   TomlReader inside(document_, node->as_table(), shown(key.name), path(key.name), true);
-  const toml::node* unit = inside.find(required("unit", ""), "\"kPa\"");
+  const toml::node* unit = inside.find(required("unit", ""), fmt::format("\"{}\"", unit_like));
   const toml::node* x = inside.find(required(axes.x_name, ""), "[0.0, ...]");
   const toml::node* y = inside.find(required(axes.y_name, ""), "[0.0, ...]");
   inside.refuse_unknown_keys();

@@ -58,6 +58,7 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
   settings.options = scene.infill.dem;
   settings.gravity = gravity;
   settings.rolling_resistance = effect_on(effects, "rolling_resistance");
+  settings.cohesion = effect_on(effects, "grain_cohesion");
   settings.box = box;
   return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
 }

@@ -8,10 +8,11 @@
 #include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/error.h"
 #include "dem_bridge/dem_contacts.h"
-#include "dem_bridge/hertz.h"
+#include "dem_bridge/grain_contact.h"
 #include "dem_bridge/host_link.h"
 #include "dem_bridge/liggghts_script.h"
 
@@ -46,8 +47,10 @@ struct DemInfill::Impl {
 
   std::unique_ptr<HostLink> host;
   bool started = false;
-  double time = 0;     // s, end of the last window
-  double damping = 0;  // 1/s
+  bool energy_wanted = false;      // of the coming window
+  bool stored_is_current = false;  // the host has stored energy at the last kick
+  double time = 0;                 // s, end of the last window
+  double damping = 0;              // 1/s
   double initial_stored = 0;
   double missing =
       0;  // J, energy that left the motion of the grains and is not stored, at the last `energy()`
@@ -61,11 +64,10 @@ struct DemInfill::Impl {
     const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
     sizes = {grains.size(), *smallest, *largest};
     stable_step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < grains.size(); ++i) {
-      const GrainMaterial& grain = *materials[grains.material[i]].grain;
-      stable_step = std::min(stable_step, stable_grain_step(grains.radius[i], grains.density[i],
-                                                            grain.young_modulus, grain.poisson_ratio));
-    }
+    for (std::size_t i = 0; i < grains.size(); ++i)
+      stable_step =
+          std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
+                                                     used, materials, settings.options));
   }
 
   [[nodiscard]] SharedState& shared() { return host->memory().state(); }
@@ -223,6 +225,10 @@ double DemInfill::stable_step() const {
   return impl_->stable_step;
 }
 
+void DemInfill::begin_window(double, int, bool energy_wanted) {
+  impl_->energy_wanted = energy_wanted;
+}
+
 AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpulses& contact) {
   Impl& my = *impl_;
   if (!(window > 0) || !std::isfinite(window) || substeps < 1)
@@ -235,9 +241,11 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   shared.substeps = substeps;
   shared.damping = my.damping;
   const std::uint64_t gone = shared.expelled;
+  shared.energy_wanted = my.energy_wanted ? 1 : 0;
   my.ask(Request::advance);
   if (shared.expelled != gone) my.read_expelled();
   my.started = true;
+  my.stored_is_current = std::exchange(my.energy_wanted, false);
   my.time += window;
   my.steps += static_cast<std::uint64_t>(substeps);
   my.waiting += shared.run_seconds;
@@ -257,7 +265,7 @@ void DemInfill::set_damping(double rate) {
 
 InfillEnergy DemInfill::energy() const {
   Impl& my = *impl_;
-  my.ask(Request::energy);
+  if (!my.stored_is_current) my.ask(Request::energy);
   const SharedState& shared = my.shared();
   InfillEnergy energy;
   energy.stored = shared.stored_energy;
@@ -296,9 +304,10 @@ void DemInfill::save(h5::Group& group) {
   my.write_vectors(group, "spin", SharedArrays::spin_x);
   my.write_vectors(group, "own_force", SharedArrays::linear_x);
   my.write_vectors(group, "own_torque", SharedArrays::angular_x);
-  group.write("works", std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
-                                           shared.last_pair_work, shared.last_contact_work,
-                                           shared.last_damping_work, shared.kinetic});
+  group.write("works",
+              std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
+                                  shared.last_pair_work, shared.last_contact_work, shared.last_damping_work,
+                                  shared.kinetic, shared.stored_energy, my.stored_is_current ? 1.0 : 0.0});
   const auto expelled = my.array(SharedArrays::expelled);
   group.write("expelled", std::vector<double>(expelled.begin(), expelled.end()));
   const auto& momentum = shared.expelled_momentum;
@@ -323,8 +332,8 @@ void DemInfill::load(const h5::Group& group) {
         "of",
         my.grains.size());
   const std::vector<double> works = group.read_doubles("works");
-  if (works.size() != 7)
-    throw_input_error("checkpoint: {} works of the infill instead of 7: it is damaged", works.size());
+  if (works.size() != 9)
+    throw_input_error("checkpoint: {} works of the infill instead of 9: it is damaged", works.size());
   my.host = std::make_unique<HostLink>(my.settings.options.host, my.grains.size(),
                                        my.settings.options.answer_timeout);
   SharedState& shared = my.shared();
@@ -353,6 +362,8 @@ void DemInfill::load(const h5::Group& group) {
   shared.last_contact_work = works[4];
   shared.last_damping_work = works[5];
   shared.kinetic = works[6];
+  shared.stored_energy = works[7];
+  my.stored_is_current = works[8] != 0;
   const std::vector<double> expelled = group.read_doubles("expelled"),
                             sums = group.read_doubles("expelled_sums");
   if (expelled.size() != my.grains.size() || sums.size() != 7)

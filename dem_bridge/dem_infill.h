@@ -41,10 +41,14 @@ struct PackingRequest {
 /// does).
 [[nodiscard]] Grains pack_grains(const PackingRequest& request);
 
+/// Factor on the diameters of a grain material: its own, else that of all.
+[[nodiscard]] double coarse_graining_of(const DemOptions& options, const std::string& material);
+
 struct DemSettings {
   DemOptions options;
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2
   bool rolling_resistance = true;
+  bool cohesion = false;
   std::array<Vec3, 2> box{};  ///< m; grains whose centre leaves it are expelled
 };
 
@@ -64,13 +68,16 @@ class DemInfill final : public Infill {
 
   [[nodiscard]] std::string_view approach() const override { return "dem"; }
   [[nodiscard]] ParticleView particles() const override;
-  /// 20 % of the smallest Rayleigh time pi r sqrt(rho/G) / (0.1631 nu + 0.8766) over the grains.
+  /// The smallest over the grains of 20 % of the Rayleigh time pi r sqrt(rho/G) / (0.1631 nu + 0.8766), and
+  /// with Hooke's contact of what its springs bear (dem_bridge/hooke.h).
   [[nodiscard]] double stable_step() const override;
+  void begin_window(double window, int substeps, bool energy_wanted) override;
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;
   /// All as of the last kick (t_k for one substep a window). kinetic, contact_work and damping are summed in
-  /// the host from what each kick did. stored is the closed form over the contacts: Hertz normal energy, and
-  /// the tangential and rolling springs with their present stiffness (dem_bridge/hertz.h).
+  /// the host from what each kick did. stored is the closed form over the contacts: normal, tangential and
+  /// rolling springs with their present stiffness (dem_bridge/hertz.h, hooke.h; cdt stores nothing), less
+  /// what cohesion has given (cohesion.h): it may be below 0.
   ///
   /// LIGGGHTS 3.8.0 registers energy options for its contact models (computeElasticPotential,
   /// computeDissipatedEnergy), but no integrator of the library sums them up; so what grain contacts
@@ -78,7 +85,10 @@ class DemInfill final : public Infill {
   /// not stored. A dissipation cannot shrink: dissipated adds up its increases from one call to the next, so
   /// energy that contacts create (a step beyond stability, a spring that remembers too long) is not hidden in
   /// it but breaks the balance of the sum. Cost: one pass over the neighbour list, about a third of a DEM
-  /// step; call it when recording.
+  /// step. In a window that was announced with energy_wanted it is made at the last kick, and all energies
+  /// are of that moment. Otherwise it is made on this call, with springs stretched as they are one step
+  /// later: off by the springs' forces times the slip of a step, to and fro, and `dissipated` adds up what is
+  /// off upwards.
   [[nodiscard]] InfillEnergy energy() const override;
   /// Looked for at the end of every window. A grain so fast that it passes expulsion_margin in one is lost to
   /// LIGGGHTS (RunError).

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "dem_bridge/grain_contact.h"
 
 namespace tuft::dem {
 namespace {
@@ -48,15 +49,6 @@ std::string per_pair(const char* id, const char* property, std::size_t types,
   return line + "\n";
 }
 
-/// Friction of two materials: as given for the pair, else the mean of the two.
-double pair_friction(const DemOptions& options, const std::vector<Material>& materials, Index a, Index b) {
-  for (const GrainPairFriction& pair : options.pairs)
-    if ((pair.materials[0] == a && pair.materials[1] == b) ||
-        (pair.materials[0] == b && pair.materials[1] == a))
-      return pair.friction;
-  return 0.5 * (materials[a].grain->friction + materials[b].grain->friction);
-}
-
 }  // namespace
 
 std::vector<Index> used_materials(const Grains& grains) {
@@ -75,6 +67,10 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
     throw_input_error("DEM infill: {} radii but {} positions, {} densities, {} layers, {} materials", count,
                       grains.position.size(), grains.density.size(), grains.layer.size(),
                       grains.material.size());
+  if (settings.options.contact == GrainContact::hooke && !(settings.options.characteristic_velocity > 0))
+    throw_input_error(
+        "DEM infill: infill.dem.characteristic_velocity is {} m/s; contact = \"hooke\" needs it above 0",
+        settings.options.characteristic_velocity);
   for (std::size_t i = 0; i < count; ++i) {
     const Index m = grains.material[i];
     if (m < 0 || m >= static_cast<Index>(materials.size()) || !materials[m].grain)
@@ -94,6 +90,7 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
           i, x.x(), x.y(), x.z(), settings.box[0].x(), settings.box[0].y(), settings.box[0].z(),
           settings.box[1].x(), settings.box[1].y(), settings.box[1].z());
   }
+  if (settings.cohesion) check_cohesion(used_materials(grains), materials, settings.options);
 }
 
 std::array<Vec3, 2> host_domain(const DemSettings& settings) {
@@ -146,17 +143,32 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
                       forget_distance, bin_size(sizes, host_domain(settings)));
   text += per_type("young_modulus", "youngsModulus", types, [&](auto i) { return grain(i).young_modulus; });
   text += per_type("poisson_ratio", "poissonsRatio", types, [&](auto i) { return grain(i).poisson_ratio; });
-  text += per_pair("restitution", "coefficientRestitution", types,
-                   [&](auto i, auto j) { return 0.5 * (grain(i).restitution + grain(j).restitution); });
-  text += per_pair("friction", "coefficientFriction", types, [&](auto i, auto j) {
-    return i == j ? grain(i).friction : pair_friction(settings.options, materials, used[i], used[j]);
-  });
-  std::string model = "pair_style gran model hertz tangential history";
-  if (settings.rolling_resistance) {
-    text += per_pair("rolling_friction", "coefficientRollingFriction", types, [&](auto i, auto j) {
-      return 0.5 * (grain(i).rolling_friction + grain(j).rolling_friction);
+  const auto of_contacts = [&](const char* id, const char* property, double GrainMaterial::*own,
+                               std::optional<double> GrainPair::*of_pair) {
+    return per_pair(id, property, types, [&](auto i, auto j) {
+      return contact_property(settings.options, materials, used[i], used[j], own, of_pair);
     });
-    model += " rolling_friction epsd2";
+  };
+  text += of_contacts("restitution", "coefficientRestitution", &GrainMaterial::restitution,
+                      &GrainPair::restitution);
+  text += of_contacts("friction", "coefficientFriction", &GrainMaterial::friction, &GrainPair::friction);
+  std::string model = "pair_style gran model hertz tangential history";
+  if (settings.options.contact == GrainContact::hooke) {
+    text +=
+        fmt::format("fix characteristic_velocity all property/global characteristicVelocity scalar {:.17g}\n",
+                    settings.options.characteristic_velocity);
+    model = "pair_style gran model hooke tangential history";
+  }
+  if (settings.cohesion) {
+    text += of_contacts("cohesion", "cohesionEnergyDensity", &GrainMaterial::cohesion_energy_density,
+                        &GrainPair::cohesion_energy_density);
+    model += " cohesion sjkr";
+  }
+  if (settings.rolling_resistance) {
+    text += of_contacts("rolling_friction", "coefficientRollingFriction", &GrainMaterial::rolling_friction,
+                        &GrainPair::rolling_friction);
+    model +=
+        settings.options.rolling == RollingModel::cdt ? " rolling_friction cdt" : " rolling_friction epsd2";
   }
   text += model + "\npair_coeff * *\n";
   text += fmt::format("timestep {:.17g}\n", step);

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "dem_bridge/dem_infill.h"
+#include "dem_bridge/grain_sizes.h"
 #include "dem_bridge/packing_relaxation.h"
 
 namespace tuft::dem {
@@ -39,31 +40,23 @@ struct Grain {
   Index material;
 };
 
-struct Sizes {
-  double smallest, largest;  ///< m, diameters after coarse graining
-};
-
-Sizes sizes_of(const Material& material, const DemOptions& options) {
-  const auto own = options.material_coarse_graining.find(material.name);
-  const double factor = own == options.material_coarse_graining.end() ? options.coarse_graining : own->second;
-  const GrainMaterial& grain = *material.grain;
-  if (!(factor >= 1) || !(grain.diameter_min > 0) || !(grain.diameter_max >= grain.diameter_min))
-    throw_input_error(
-        "packing: grain material {} has diameters {} to {} m and coarse graining {}; diameters must be "
-        "positive and rising, coarse graining 1 or more",
-        material.name, grain.diameter_min, grain.diameter_max, factor);
-  return {factor * grain.diameter_min, factor * grain.diameter_max};
+GrainSizeDistribution sizes_of(const Material& material, const DemOptions& options) {
+  const double factor = coarse_graining_of(options, material.name);
+  if (!(factor >= 1))
+    throw_input_error("packing: grain material {} has coarse graining {}; it must be 1 or more",
+                      material.name, factor);
+  return {*material.grain, factor};
 }
 
 /// Diameters uniform in number between the two, until the mass is reached. The last grain is as large as what
 /// is missing; a remainder under half of the smallest grain is left out: so the error is under half a grain.
-void draw_grains(double mass, const Sizes& sizes, double density, Index material, Random& random,
-                 std::vector<Grain>& grains) {
+void draw_grains(double mass, const GrainSizeDistribution& sizes, double density, Index material,
+                 Random& random, std::vector<Grain>& grains) {
   double missing = mass;
-  while (missing >= 0.5 * sphere_mass(sizes.smallest, density)) {
-    double diameter = random.between(sizes.smallest, sizes.largest);
+  while (missing >= 0.5 * sphere_mass(sizes.smallest(), density)) {
+    double diameter = random.between(sizes.smallest(), sizes.largest());
     if (sphere_mass(diameter, density) > missing)
-      diameter = std::max(sizes.smallest, std::cbrt(6 * missing / (std::numbers::pi * density)));
+      diameter = std::max(sizes.smallest(), std::cbrt(6 * missing / (std::numbers::pi * density)));
     grains.push_back({0.5 * diameter, material});
     missing -= sphere_mass(diameter, density);
   }
@@ -101,13 +94,18 @@ std::vector<Grain> draw_layer(const PackingRequest& request, const Layer& layer,
     const Material& material = materials[share.material];
     if (!material.grain)
       throw_input_error("packing: material {} of {} has no [grain] block", material.name, of_layer.name);
-    const Sizes sizes = sizes_of(material, *request.options);
-    if (sizes.largest > std::min(request.size[0], request.size[1]))
+    const GrainSizeDistribution sizes = sizes_of(material, *request.options);
+    if (sizes.largest() > std::min(request.size[0], request.size[1]))
       throw_input_error(
           "packing: grains of {} are up to {} m wide, the patch is {} x {} m; take a larger patch or less "
           "coarse graining",
-          material.name, sizes.largest, request.size[0], request.size[1]);
-    draw_grains(share.mass_fraction * mass, sizes, material.grain->density, share.material, random, grains);
+          material.name, sizes.largest(), request.size[0], request.size[1]);
+    const double mass_of_kind = share.mass_fraction * mass, density = material.grain->density;
+    if (is_drawn_at_random(material.grain->sizes))
+      draw_grains(mass_of_kind, sizes, density, share.material, random, grains);
+    else
+      for (const double diameter : quota_diameters(sizes, mass_of_kind, density))
+        grains.push_back({0.5 * diameter, share.material});
   }
   for (std::size_t i = grains.size(); i > 1; --i) std::swap(grains[i - 1], grains[random.below(i)]);
   return grains;
@@ -166,6 +164,11 @@ Grains sorted_along_curve(const Grains& grains, const PackingBox& box) {
 }
 
 }  // namespace
+
+double coarse_graining_of(const DemOptions& options, const std::string& material) {
+  const auto own = options.material_coarse_graining.find(material);
+  return own == options.material_coarse_graining.end() ? options.coarse_graining : own->second;
+}
 
 Grains pack_grains(const PackingRequest& request) {
   check_request(request);

@@ -23,7 +23,7 @@ enum class Request : char {
   commands =
       'c',  ///< text: LIGGGHTS commands, one a line; the host adds its own fixes and does the first set-up
   advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the impulses of the shared memory
-  energy = 'e',    ///< fills `stored_energy`
+  energy = 'e',    ///< fills `stored_energy`, nearly: springs' elongations are those of one step later
   contacts = 'o',  ///< fills the overlap statistics and the coordination numbers
   network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
   save = 's',  ///< text: path of the restart file to write; own forces and torques into the impulse arrays
@@ -55,6 +55,7 @@ struct SharedState {
   double step = 0;                              ///< s, of one substep
   std::int64_t substeps = 0;                    ///< of the window
   double damping = 0;                           ///< 1/s
+  std::int64_t energy_wanted = 0;               ///< 1: `stored_energy` at the last kick of the window
   std::array<double, 3> gravity{};              ///< m/s^2
   std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
 
@@ -81,7 +82,7 @@ struct SharedState {
   std::array<double, 3> expelled_momentum{};
   double expelled_energy = 0, expelled_pending = 0;
 
-  // Host to driver: on request.
+  // Host to driver: on request, the first also of a window.
   double stored_energy = 0;  ///< J, elastic, in grain-grain contacts
   double overlap_mean = 0, overlap_percentile_99 = 0, overlap_largest = 0;
   std::uint64_t contacts = 0;

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "dem_bridge/dem_infill.h"
+#include "dem_bridge/grain_contact.h"
+#include "dem_bridge/grain_sizes.h"
 #include "fe_carpet/leg_shape.h"
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
@@ -18,47 +22,42 @@
 namespace tuft::rigs {
 namespace {
 
-/// Mean mass of a grain drawn uniformly in diameter from [low, high]: E[d^3] = (high^4 - low^4) / (4 (high -
-/// low)).
-double mean_grain_mass(const GrainMaterial& grain, double scale) {
-  const double low = grain.diameter_min * scale, high = grain.diameter_max * scale;
-  const double cube =
-      high > low ? (std::pow(high, 4) - std::pow(low, 4)) / (4 * (high - low)) : std::pow(low, 3);
-  return grain.density * std::numbers::pi / 6 * cube;
-}
-
-double coarse_graining(const Scene& scene, const std::string& material) {
-  const auto& own = scene.infill.dem.material_coarse_graining;
-  const auto found = own.find(material);
-  return found == own.end() ? scene.infill.dem.coarse_graining : found->second;
-}
-
 struct GrainEstimate {
   double count = 0;
-  double rayleigh_step = 1;  ///< s, 20 % of the smallest Rayleigh time
-  double contact_step = 1;   ///< s, 2 / omega of the stiffest contact
-  double smallest = 1;       ///< m, diameter
+  double own_step = std::numeric_limits<double>::infinity();  ///< s, that contacts of grains bear
+  double contact_step = 1;  ///< s, 2 / omega of the stiffest contact with shells and bodies
+  double largest = 0;       ///< m, diameter
 };
+
+/// The kinds of grains of all layers, each once.
+std::vector<Index> kinds_of_grains(const Scene& scene) {
+  std::vector<Index> kinds;
+  for (const Layer& layer : scene.turf.layers)
+    for (const GrainShare& share : scene.materials.at(layer.material).grain_shares)
+      if (std::ranges::count(kinds, share.material) == 0) kinds.push_back(share.material);
+  return kinds;
+}
 
 GrainEstimate estimate_grains(const Scene& scene) {
   GrainEstimate estimate;
+  const std::vector<Index> kinds = kinds_of_grains(scene);
   for (const Layer& layer : scene.turf.layers) {
     const Material& material = scene.materials.at(layer.material);
     const double mass = material.bulk_density * scene.turf.size[0] * scene.turf.size[1] * layer.depth;
     for (const GrainShare& share : material.grain_shares) {
       const Material& kind = scene.materials.at(share.material);
-      const GrainMaterial& grain = *kind.grain;
-      const double scale = coarse_graining(scene, kind.name);
-      estimate.count += mass * share.mass_fraction / mean_grain_mass(grain, scale);
-      const double r = 0.5 * grain.diameter_min * scale;
-      const double shear = grain.young_modulus / (2 * (1 + grain.poisson_ratio));
-      estimate.rayleigh_step =
-          std::min(estimate.rayleigh_step, 0.2 * std::numbers::pi * r * std::sqrt(grain.density / shear) /
-                                               (0.1631 * grain.poisson_ratio + 0.8766));
-      const double grain_mass = grain.density * 4.0 / 3 * std::numbers::pi * r * r * r;
+      const double density = kind.grain->density;
+      const dem::GrainSizeDistribution sizes(*kind.grain,
+                                             dem::coarse_graining_of(scene.infill.dem, kind.name));
+      estimate.count += mass * share.mass_fraction / (density * std::numbers::pi / 6 * sizes.mean_cube());
+      const double r = 0.5 * sizes.smallest();
+      estimate.own_step = std::min(
+          estimate.own_step,
+          dem::stable_step_of_grain(r, density, share.material, kinds, scene.materials, scene.infill.dem));
+      const double grain_mass = density * 4.0 / 3 * std::numbers::pi * r * r * r;
       estimate.contact_step = std::min(estimate.contact_step,
                                        2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
-      estimate.smallest = std::min(estimate.smallest, 2 * r);
+      estimate.largest = std::max(estimate.largest, sizes.largest());
     }
   }
   return estimate;
@@ -152,6 +151,40 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
         shell.softening()));
 }
 
+double clearance(const CarpetDesign& carpet) {
+  const fe::RootLayout layout = fe::root_layout(carpet);
+  if (layout.shared_edge) return std::min(carpet.gauge, carpet.stitch_spacing) - carpet.strand_width;
+  return std::min(carpet.gauge - layout.width(), carpet.stitch_spacing - layout.spacing - layout.depth);
+}
+
+/// How many of the largest grains lie across what they must not be large beside.
+void remark_on_grains(RunPlan& plan, const Scene& scene, double largest) {
+  const double ratio = clearance(scene.turf.carpet) / largest;
+  // Of an imported carpet the design's spacings say nothing.
+  if (effect_on(plan.effects, "fibres") && scene.turf.carpet.mesh.file.empty() && ratio < 5)
+    plan.remarks.push_back(fmt::format(
+        "clearance between tufts is {:.2g} of the largest grain's diameter (under 5): grains may jam; "
+        "reduce infill.dem.coarse_graining",
+        ratio));
+  // ASTM D3080 asks this of specimens: ten of the largest grains across, six high.
+  const double across = scene.rig.clegg.diameter / largest, high = scene.infill_depth() / largest;
+  if (across < 10)
+    plan.remarks.push_back(fmt::format(
+        "the missile is {:.2g} of the largest grains wide (under 10): results depend on where single grains "
+        "lie; run several numerics.seed, or reduce infill.dem.coarse_graining",
+        across));
+  if (high < 6)
+    plan.remarks.push_back(
+        fmt::format("the infill is {:.2g} of the largest grains deep (under 6): reduce "
+                    "infill.dem.coarse_graining",
+                    high));
+  const std::vector<Index> kinds = kinds_of_grains(scene);
+  const bool cohesion = effect_on(plan.effects, "grain_cohesion");
+  if (cohesion) dem::check_cohesion(kinds, scene.materials, scene.infill.dem);
+  const auto remarks = dem::contact_remarks(kinds, cohesion, scene.materials, scene.infill.dem);
+  plan.remarks.insert(plan.remarks.end(), remarks.begin(), remarks.end());
+}
+
 /// DEM without packing: counts from masses, speeds from what the bridge measured (docs/benchmarks.md).
 void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, effect_on(plan.effects, "fibres"));
@@ -164,7 +197,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);
   const Schedule schedule = make_schedule(scene);
-  take_steps(plan, {carpet.stable_step(), grains.rayleigh_step, grains.contact_step, carpet.subcycle_ratio()},
+  take_steps(plan, {carpet.stable_step(), grains.own_step, grains.contact_step, carpet.subcycle_ratio()},
              scene, schedule.interval, schedule.end);
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
@@ -177,12 +210,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   plan.remarks.push_back(
       "grains are counted from layer masses, and time and memory estimated from usual speeds: nothing was "
       "packed");
-}
-
-double clearance(const CarpetDesign& carpet) {
-  const fe::RootLayout layout = fe::root_layout(carpet);
-  if (layout.shared_edge) return std::min(carpet.gauge, carpet.stitch_spacing) - carpet.strand_width;
-  return std::min(carpet.gauge - layout.width(), carpet.stitch_spacing - layout.spacing - layout.depth);
+  remark_on_grains(plan, scene, grains.largest);
 }
 
 }  // namespace
@@ -199,19 +227,6 @@ RunPlan plan(const Scene& scene) {
     return plan;
   }
   plan_by_counting(plan, scene);
-  double largest = 0;
-  for (const Layer& layer : scene.turf.layers)
-    for (const GrainShare& share : scene.materials.at(layer.material).grain_shares) {
-      const Material& kind = scene.materials.at(share.material);
-      largest = std::max(largest, kind.grain->diameter_max * coarse_graining(scene, kind.name));
-    }
-  const double ratio = clearance(scene.turf.carpet) / largest;
-  // Of an imported carpet the design's spacings say nothing.
-  if (effect_on(plan.effects, "fibres") && scene.turf.carpet.mesh.file.empty() && ratio < 5)
-    plan.remarks.push_back(fmt::format(
-        "clearance between tufts is {:.2g} of the largest grain's diameter (under 5): grains may jam; "
-        "reduce infill.dem.coarse_graining",
-        ratio));
   return plan;
 }
 

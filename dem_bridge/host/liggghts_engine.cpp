@@ -26,8 +26,10 @@
 #include <vector>
 
 #include "core/vector.h"
+#include "dem_bridge/cohesion.h"
 #include "dem_bridge/hertz.h"
 #include "dem_bridge/host/contact_network.h"
+#include "dem_bridge/hooke.h"
 #include "dem_bridge/host/kick.h"
 #include "dem_bridge/host/screen_ring.h"
 
@@ -120,7 +122,13 @@ struct LiggghtsEngine::Impl {
 
   template <class Visit>
   void for_each_contact(Visit&& visit);
+  /// What a `fix property/global` of the commands holds; null where there is none.
+  [[nodiscard]] LAMMPS_NS::FixPropertyGlobal* property(const char* name, const char* style, int rows,
+                                                       int columns);
   [[nodiscard]] std::vector<double> property_of_types(const char* name);
+  /// As of the kick under way, or between kicks, nearly, as of the last.
+  [[nodiscard]] double stored_energy(bool in_kick);
+  void note_stored_energy();
 };
 
 void LiggghtsEngine::Impl::publish_state() {
@@ -232,6 +240,7 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
     shared.impulse_received[c] += received[static_cast<Eigen::Index>(c)];
     shared.impulse_scale[c] += scale[static_cast<Eigen::Index>(c)];
   }
+  if (shared.energy_wanted != 0 && (in_run ? substep : 0) == shared.substeps - 1) note_stored_energy();
   shared.kinetic = kinetic;
   shared.pair_work += shared.last_pair_work = pair_work;
   shared.contact_work += shared.last_contact_work = contact_work;
@@ -313,13 +322,71 @@ void LiggghtsEngine::Impl::for_each_contact(Visit&& visit) {
   }
 }
 
+LAMMPS_NS::FixPropertyGlobal* LiggghtsEngine::Impl::property(const char* name, const char* style, int rows,
+                                                             int columns) {
+  return dynamic_cast<LAMMPS_NS::FixPropertyGlobal*>(lammps->modify->find_fix_property(
+      name, "property/global", style, rows, columns, "liggghts_host", false));
+}
+
 std::vector<double> LiggghtsEngine::Impl::property_of_types(const char* name) {
   const int types = lammps->atom->ntypes;
-  auto* fix = dynamic_cast<LAMMPS_NS::FixPropertyGlobal*>(
-      lammps->modify->find_fix_property(name, "property/global", "peratomtype", types, 0, "liggghts_host"));
+  auto* fix = property(name, "peratomtype", types, 0);
+  if (fix == nullptr) throw std::runtime_error(fmt::format("the commands define no property {}", name));
   std::vector<double> values;
   for (int t = 0; t < types; ++t) values.push_back(fix->compute_vector(t));
   return values;
+}
+
+/// Elastic energy of all contacts where the last kick was made, less what cohesion has given. Between kicks
+/// positions are moved back by one step, but springs' elongations stay those of the present positions, which
+/// is off by their force times the slip of a step. Which models there are is asked of LIGGGHTS: a
+/// characteristic velocity is Hooke's, a second vector of history the rolling spring's.
+double LiggghtsEngine::Impl::stored_energy(bool in_kick) {
+  const auto* atom = lammps->atom;
+  const auto young = property_of_types("youngsModulus"), poisson = property_of_types("poissonsRatio");
+  auto* const velocity_of_hooke = property("characteristicVelocity", "scalar", 0, 0);
+  auto* const cohesion = property("cohesionEnergyDensity", "peratomtypepair", atom->ntypes, atom->ntypes);
+  const bool rolling_spring = static_cast<LAMMPS_NS::PairGran*>(lammps->force->pair)->dnum() >= 6;
+  const double back = started && !in_kick ? shared.step : 0;
+  const Components velocity = components(SharedArrays::velocity_x);
+  double energy = 0;
+  for_each_contact([&](int a, int b, const Vec3& distance, const double* history) {
+    const Vec3 relative = velocity[index(a)] - velocity[index(b)];
+    const double sum = atom->radius[a] + atom->radius[b];
+    const double distance_before = (distance - back * relative).norm(), before = sum - distance_before;
+    const double now = sum - distance.norm();
+    if (before <= 0 && now <= 0) return;
+    const double radius = atom->radius[a] * atom->radius[b] / sum;
+    const int s = atom->type[a] - 1, t = atom->type[b] - 1;
+    const double modulus = effective_young_modulus(young[s], poisson[s], young[t], poisson[t]);
+    double tangential = 0;
+    if (velocity_of_hooke != nullptr) {
+      const double mass = atom->rmass[a] * atom->rmass[b] / (atom->rmass[a] + atom->rmass[b]);
+      tangential = hooke_stiffness(modulus, radius, mass, velocity_of_hooke->compute_scalar());
+      if (before > 0) energy += 0.5 * tangential * before * before;
+    } else {
+      if (before > 0) energy += normal_energy(modulus, radius, before);
+      if (now > 0)
+        tangential = tangential_stiffness(effective_shear_modulus(young[s], poisson[s], young[t], poisson[t]),
+                                          radius, now);
+    }
+    if (cohesion != nullptr)
+      energy -=
+          cohesion->compute_array(s, t) * overlap_volume(atom->radius[a], atom->radius[b], distance_before);
+    if (now <= 0) return;
+    energy += 0.5 * tangential * load3(history).squaredNorm();
+    if (rolling_spring) energy += 0.5 * load3(history + 3).squaredNorm() / (tangential * radius * radius);
+  });
+  return energy;
+}
+
+/// In a kick, which may be within LIGGGHTS: no exception may pass through it.
+void LiggghtsEngine::Impl::note_stored_energy() {
+  try {
+    shared.stored_energy = stored_energy(true);
+  } catch (const std::exception& error) {
+    trouble = error.what();
+  }
 }
 
 LiggghtsEngine::LiggghtsEngine(SharedMemory& memory) : impl_(std::make_unique<Impl>(memory)) {}
@@ -372,34 +439,8 @@ void LiggghtsEngine::advance() {
   my.check_count();
 }
 
-/// Elastic energy of all contacts where the last kick was made (positions moved back by one step); the
-/// springs' elongations are those of the present positions.
 void LiggghtsEngine::compute_stored_energy() {
-  Impl& my = *impl_;
-  auto* atom = my.lammps->atom;
-  const auto young = my.property_of_types("youngsModulus"), poisson = my.property_of_types("poissonsRatio");
-  const double back = my.started ? my.shared.step : 0;
-  const Components velocity = my.components(SharedArrays::velocity_x);
-  double energy = 0;
-  my.for_each_contact([&](int a, int b, const Vec3& distance, const double* history) {
-    const Vec3 relative = velocity[my.index(a)] - velocity[my.index(b)];
-    const double sum = atom->radius[a] + atom->radius[b];
-    const double before = sum - (distance - back * relative).norm();
-    const double now = sum - distance.norm();
-    const double radius = atom->radius[a] * atom->radius[b] / sum;
-    const auto s = static_cast<std::size_t>(atom->type[a] - 1),
-               t = static_cast<std::size_t>(atom->type[b] - 1);
-    if (before > 0)
-      energy +=
-          normal_energy(effective_young_modulus(young[s], poisson[s], young[t], poisson[t]), radius, before);
-    if (now <= 0) return;
-    const double stiffness = tangential_stiffness(
-        effective_shear_modulus(young[s], poisson[s], young[t], poisson[t]), radius, now);
-    energy += 0.5 * stiffness * load3(history).squaredNorm();
-    if (static_cast<LAMMPS_NS::PairGran*>(my.lammps->force->pair)->dnum() >= 6)
-      energy += 0.5 * load3(history + 3).squaredNorm() / (stiffness * radius * radius);
-  });
-  my.shared.stored_energy = energy;
+  impl_->shared.stored_energy = impl_->stored_energy(false);
 }
 
 void LiggghtsEngine::compute_contacts() {

@@ -64,6 +64,24 @@ TEST(Specimen, DirectShearGivesALineThroughItsYields) {
   EXPECT_EQ(page.find("Not recorded"), std::string::npos);
 }
 
+TEST(Specimen, OfBothInfillsSideBySideGivesOnePageThatTellsThemApart) {
+  const Workplace place;
+  auto words = tiny_ring(place.path("both"));
+  words[0] = "compare";
+  words.insert(words.end(), {"--set", "infill.dem.material_coarse_graining.sbr=2.5"});
+  const Outcome outcome = run_tuft(words);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const char* approach : {"sph", "dem"}) {
+    const nlohmann::json summary = summary_in(place.path(std::string("both/") + approach));
+    EXPECT_EQ(summary["approach"], approach);
+    EXPECT_GT(summary["results"]["preload_10_cycle_1_loading_modulus"]["value"], 0.0);
+    EXPECT_LT(summary["energy_error"], 1e-3);
+  }
+  const std::string page = read_text(place.path("both/report.html"));
+  for (const char* label : {"sbr · SPH, 10 N", "sbr · DEM, 10 N"})
+    EXPECT_NE(page.find(label), std::string::npos) << label;
+}
+
 TEST(Specimen, IsCheckedAndExplainedWithoutAPatch) {
   const Outcome checked = run_tuft({"check", "inputs/oedometer_sbr.toml"});
   EXPECT_EQ(checked.exit_code, 0) << checked.error;

@@ -55,6 +55,36 @@ TEST(Effects, FollowTheSceneUnlessSwitched) {
   EXPECT_TRUE(decide("rolling_resistance", {{"infill.approach", "dem"}}).on);
 }
 
+TEST(Effects, CohesionIsOnWhereGrainsOfTheLayersOrAPairOfThemHaveIt) {
+  Overrides dem{{"infill.approach", "dem"}};
+  const auto with = [&](const std::string& key, const std::string& value) {
+    Overrides overrides = dem;
+    overrides.emplace_back(key, value);
+    return decide("grain_cohesion", overrides);
+  };
+  EXPECT_FALSE(decide("grain_cohesion", dem).on);
+  EXPECT_FALSE(decide("grain_cohesion", {{"materials.sbr.grain.cohesion_energy_density", "1 kJ/m^3"}}).on)
+      << "sph";
+  EXPECT_THAT(with("materials.sbr.grain.cohesion_energy_density", "1 kJ/m^3").why,
+              HasSubstr("grains of sbr"));
+  EXPECT_THAT(
+      with("infill.dem.pairs", R"([{ materials = ["sand", "sbr"], cohesion_energy_density = "1 kJ/m^3" }])")
+          .why,
+      HasSubstr("grains of sand on sbr hold"));
+  EXPECT_FALSE(with("infill.dem.pairs", R"([{ materials = ["sand", "sbr"], friction = 0.4 }])").on);
+  EXPECT_FALSE(with("infill.dem.pairs",
+                    R"([{ materials = ["sand", "sbr_calibrated"], cohesion_energy_density = "1 kJ/m^3" }])")
+                   .on)
+      << "of grains that no layer has";
+  dem.emplace_back("effects.grain_cohesion", "true");
+  try {
+    (void)read_scene("inputs/clegg_small.toml", dem);
+    ADD_FAILURE() << "an effect with nothing to act on was accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no grain material or pair has a cohesion_energy_density above 0"));
+  }
+}
+
 TEST(Effects, FrictionRateNeedsALawThatChangesWithSpeed) {
   Overrides overrides;
   EXPECT_THAT(decide("friction_rate", overrides).why,

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "core/error.h"
@@ -97,6 +99,49 @@ TEST_F(Packing, DiametersAreUniformBetweenTheCoarseGrainedLimits) {
   EXPECT_NEAR(mean, 2.5 * 0.00125, 4 * width / std::sqrt(12.0 * static_cast<double>(diameters.size())));
 }
 
+TEST_F(Packing, DrawnAtRandomTheyDepartFromTheUniformLawAsOneOverTheRootOfTheirNumber) {
+  const Grains grains = pack_grains(request_);
+  std::vector<double> diameters;
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    if (grains.material[i] == 0) diameters.push_back(2 * grains.radius[i]);
+  std::sort(diameters.begin(), diameters.end());
+  const auto n = static_cast<double>(diameters.size());
+  double distance = 0;
+  for (std::size_t k = 0; k < diameters.size(); ++k) {
+    const double share = (diameters[k] / 3.5 - 0.0002) / 0.001;
+    distance =
+        std::max({distance, share - static_cast<double>(k) / n, static_cast<double>(k + 1) / n - share});
+  }
+  ASSERT_GT(n, 300);
+  EXPECT_LT(distance * std::sqrt(n), 1.63) << "Kolmogorov's bound that chance passes once in a hundred";
+}
+
+TEST_F(Packing, LognormalAndSievedGrainsAreScaledAndGiveTheLayersTheirMass) {
+  GrainMaterial &sand = *materials_[0].grain, &rubber = *materials_[1].grain;
+  sand.sizes = {
+      .law = SizeLaw::sieve, .by = SizeShares::mass, .sieve = {{0.0004, 0.0006, 0.0012}, {0, 0.3, 1}}};
+  rubber.sizes = {
+      .law = SizeLaw::lognormal, .by = SizeShares::mass, .median = 0.0012, .geometric_deviation = 1.3};
+  const Grains grains = pack_grains(request_);
+  std::array<double, 2> sum{}, finer{}, asked{};
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const auto kind = static_cast<std::size_t>(grains.material[i]);
+    const double scale = kind == 0 ? 3.5 : 2.5, d = 2 * grains.radius[i] / scale;
+    EXPECT_GE(d, (kind == 0 ? 0.0004 : 0.0008) * (1 - 1e-12));
+    EXPECT_LE(d, (kind == 0 ? 0.0012 : 0.0017) * (1 + 1e-12));
+    sum[kind] += mass(grains, i);
+    if (d < (kind == 0 ? 0.0006 : 0.0012)) finer[kind] += mass(grains, i);
+  }
+  const double area = 0.04 * 0.03;
+  asked[0] = (1600 * 0.006 + 0.7 * 977 * 0.012) * area;
+  asked[1] = (0.3 * 977 * 0.012 + 440 * 0.012) * area;
+  for (std::size_t kind = 0; kind < 2; ++kind) EXPECT_NEAR(sum[kind], asked[kind], 1e-9 * asked[kind]);
+  EXPECT_NEAR(finer[0] / sum[0], 0.3, 0.02);
+  const double below = std::erf(std::log(1.2 / 0.8) / std::log(1.3) / std::numbers::sqrt2),
+               above = std::erf(std::log(1.7 / 1.2) / std::log(1.3) / std::numbers::sqrt2);
+  EXPECT_NEAR(finer[1] / sum[1], below / (below + above), 0.02);
+}
+
 TEST_F(Packing, StaysInsideWallsFloorAndDepth) {
   const Grains grains = pack_grains(request_);
   for (std::size_t i = 0; i < grains.size(); ++i) {
@@ -175,6 +220,23 @@ TEST_F(Packing, IsTheSameForASeedAndAnotherForAnother) {
   EXPECT_EQ(one.material, two.material);
   request_.seed = 2;
   EXPECT_NE(pack_grains(request_).position.x, one.position.x);
+}
+
+/// FNV-1a over the bits of numbers.
+std::uint64_t hash_of(const std::vector<double>& values) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const double value : values) hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3;
+  return hash;
+}
+
+TEST_F(Packing, UniformNumbersGiveTheGrainsOfEarlierVersions) {
+  // Measured before other distributions were there. Packings are cached, and results were published with
+  // them.
+  const Grains grains = pack_grains(request_);
+  EXPECT_EQ(grains.size(), 1209u);
+  EXPECT_EQ(hash_of(grains.radius), 6427174430530637396u);
+  EXPECT_EQ(hash_of(grains.position.x), 9718525106534078588u);
+  EXPECT_EQ(hash_of(grains.position.z), 89165549133628383u);
 }
 
 TEST_F(Packing, LayersKeepTheirOrderAndMixturesAreMixed) {

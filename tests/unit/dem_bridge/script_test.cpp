@@ -37,6 +37,53 @@ TEST(Script, UnlikePairsTakeTheMeanUnlessGiven) {
             std::string::npos);
 }
 
+TEST(Script, PairsGiveEachPropertyOfTheirsAndLeaveTheOthers) {
+  DemSettings settings = settings_in_box(0.1);
+  settings.rolling_resistance = settings.cohesion = true;
+  auto materials = three_materials();
+  materials[0].grain->cohesion_energy_density = 1000;
+  materials[0].grain->rolling_friction = 0.25;
+  const std::string means = commands(materials, settings);
+  EXPECT_NE(means.find("coefficientRestitution peratomtypepair 2 0.5 0.59999999999999998 0.59999999999999998 "
+                       "0.69999999999999996\n"),
+            std::string::npos)
+      << means;
+  EXPECT_NE(means.find("cohesionEnergyDensity peratomtypepair 2 1000 500 500 0\n"), std::string::npos)
+      << means;
+  settings.options.pairs = {{.materials = {0, 2}, .restitution = 0.125, .cohesion_energy_density = 64}};
+  const std::string given = commands(materials, settings);
+  EXPECT_NE(given.find("coefficientRestitution peratomtypepair 2 0.5 0.125 0.125 0.69999999999999996\n"),
+            std::string::npos)
+      << given;
+  EXPECT_NE(given.find("cohesionEnergyDensity peratomtypepair 2 1000 64 64 0\n"), std::string::npos) << given;
+  EXPECT_NE(given.find("0.59999999999999998 0.59999999999999998 0.5\n"), std::string::npos)
+      << "friction is the mean still";
+  settings.options.pairs[0] = {.materials = {0, 2}, .rolling_friction = 0.75};
+  EXPECT_NE(commands(materials, settings)
+                .find("coefficientRollingFriction peratomtypepair 2 0.25 0.75 0.75 0.20000000000000001\n"),
+            std::string::npos);
+}
+
+TEST(Script, ModelsAreThoseThatWereChosen) {
+  const auto model_of = [](const DemSettings& settings) {
+    const std::string text = commands(three_materials(), settings);
+    const std::size_t from = text.find("pair_style ");
+    return text.substr(from, text.find('\n', from) - from);
+  };
+  DemSettings settings = settings_in_box(0.1);
+  EXPECT_EQ(model_of(settings), "pair_style gran model hertz tangential history");
+  settings.rolling_resistance = true;
+  settings.options.rolling = RollingModel::cdt;
+  EXPECT_EQ(model_of(settings), "pair_style gran model hertz tangential history rolling_friction cdt");
+  settings.cohesion = true;
+  settings.options.contact = GrainContact::hooke;
+  settings.options.characteristic_velocity = 1.5;
+  EXPECT_EQ(model_of(settings),
+            "pair_style gran model hooke tangential history cohesion sjkr rolling_friction cdt");
+  EXPECT_NE(commands(three_materials(), settings).find("characteristicVelocity scalar 1.5\n"),
+            std::string::npos);
+}
+
 TEST(Script, SoftAndHardGrainsAreAnnounced) {
   const DemSettings settings = settings_in_box(0.1);
   auto materials = three_materials();

@@ -118,6 +118,31 @@ TEST(InfillEnergy, BalanceOfASqueezedBlockShowsAStepBeyondStability) {
   EXPECT_GT(created_energy(2.5), 0.1);
 }
 
+TEST(InfillEnergy, OfAWindowOfThreeSubstepsIsThatOfThreeWindows) {
+  const auto run = [](int substeps) {
+    const ShakenBlock block(3);
+    DemSettings settings = settings_in_box(0.05);
+    settings.rolling_resistance = true;
+    DemInfill infill(block.grains, block.materials, settings);
+    block.shake(infill, 0.5);
+    const double window = 0.2 * substeps * infill.stable_step();
+    const ContactImpulses none = no_impulses(block.grains.size());
+    for (int k = 0; k < 90 / substeps; ++k) {
+      // Energies of a run are asked for now and then, in both runs as of the same kicks.
+      infill.begin_window(window, substeps, (k + 1) * substeps % 3 == 0);
+      infill.advance(window, substeps, none);
+      if ((k + 1) * substeps % 3 == 0) (void)infill.energy();
+    }
+    return infill.energy();
+  };
+  const InfillEnergy one = run(1), three = run(3);
+  EXPECT_GT(one.stored, 1e-3 * one.kinetic) << "hardly a contact";
+  EXPECT_GT(one.dissipated, 1e-3 * one.kinetic);
+  EXPECT_NEAR(three.stored, one.stored, 1e-9 * one.stored);
+  EXPECT_NEAR(three.kinetic, one.kinetic, 1e-9 * one.kinetic);
+  EXPECT_NEAR(three.dissipated, one.dissipated, 1e-9 * one.dissipated);
+}
+
 TEST(InfillEnergy, ContactWorkIsTheEnergyThatASpringGave) {
   Grains grains;
   add_grain(grains, Vec3(0.003, 0, 0), 0.001, 1150);

@@ -1,0 +1,167 @@
+#include "core/grain_check.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/nearest_name.h"
+
+namespace tuft {
+namespace {
+
+/// Of a lognormal law between its limits: with less the limits and the law do not belong together.
+constexpr double least_share_inside = 0.01;
+
+std::string in_mm(double metres) {
+  return fmt::format("{:g} mm", std::round(metres * 1e9) / 1e6);
+}
+
+void check_limits(const GrainMaterial& grain, const std::string& path, const Places& places) {
+  if (grain.diameter_min == 0)
+    places.fail(path + ".diameter_min", "missing; give the smallest grain, for example \"0.5 mm\"");
+  if (grain.diameter_max == 0)
+    places.fail(path + ".diameter_max", "missing; give the largest grain, for example \"2 mm\"");
+  if (grain.diameter_max < grain.diameter_min)
+    places.fail(path + ".diameter_max", fmt::format("is below diameter_min ({})", in_mm(grain.diameter_min)));
+}
+
+void check_shares_given(const std::string& path, const Places& places) {
+  if (!places.has(path + ".sizes.by"))
+    places.fail(path + ".sizes.by",
+                "missing; say what shares count: \"mass\", as sieving and weighing do, or \"number\"");
+}
+
+/// Keys of one law beside another would do nothing.
+void refuse(bool given, const std::string& key, std::string_view law, const Places& places) {
+  if (given) places.fail(key, fmt::format("is for law = \"{}\"; leave it out", law));
+}
+
+void check_lognormal(const GrainMaterial& grain, const std::string& path, const Places& places) {
+  const GrainSizes& sizes = grain.sizes;
+  check_limits(grain, path, places);
+  check_shares_given(path, places);
+  if (sizes.median == 0)
+    places.fail(path + ".sizes.median", "missing; law = \"lognormal\" needs it, for example \"1 mm\"");
+  if (!(sizes.geometric_deviation > 1))
+    places.fail(path + ".sizes.geometric_deviation",
+                "law = \"lognormal\" needs it above 1 (about 68 % lie between median/deviation and median x "
+                "deviation)");
+  if (!(grain.diameter_max > grain.diameter_min))
+    places.fail(path + ".diameter_max", "must be above diameter_min for law = \"lognormal\"");
+  const auto below = [&](double diameter) {
+    return 0.5 * std::erfc(-std::log(diameter / sizes.median) / std::log(sizes.geometric_deviation) /
+                           std::numbers::sqrt2);
+  };
+  const double inside = below(grain.diameter_max) - below(grain.diameter_min);
+  if (inside < least_share_inside)
+    places.fail(
+        path + ".sizes.median",
+        fmt::format("only {:.1g} of this lognormal law lies between diameter_min ({}) and diameter_max "
+                    "({}); move them or it",
+                    inside, in_mm(grain.diameter_min), in_mm(grain.diameter_max)));
+}
+
+void complete_sieve(GrainMaterial& grain, const std::string& path, const Places& places) {
+  const Curve& sieve = grain.sizes.sieve;
+  const std::string key = path + ".sizes.sieve";
+  check_shares_given(path, places);
+  if (sieve.x.empty())
+    places.fail(key, "missing; law = \"sieve\" needs { unit = \"mm\", opening = [...], passing = [...] }");
+  if (sieve.x.size() < 2) places.fail(key, "needs at least two openings");
+  if (!(sieve.x.front() > 0)) places.fail(key, "its first opening must be above 0");
+  if (sieve.y.front() != 0)
+    places.fail(key, fmt::format("passing begins at {:g}; begin with the opening that nothing passes (0)",
+                                 sieve.y.front()));
+  if (sieve.y.back() != 1)
+    places.fail(
+        key, fmt::format("passing ends at {:g}; end with the opening that all passes (1)", sieve.y.back()));
+  for (std::size_t i = 1; i < sieve.y.size(); ++i)
+    if (sieve.y[i] < sieve.y[i - 1])
+      places.fail(key, fmt::format("passing falls from {:g} to {:g} at {}; a wider opening cannot pass less",
+                                   sieve.y[i - 1], sieve.y[i], in_mm(sieve.x[i])));
+  const auto take = [&](double& limit, double end, const char* name) {
+    if (limit != 0 && std::abs(limit - end) > 1e-9 * end)
+      places.fail(
+          path + "." + name,
+          fmt::format("the sieve curve says {}; leave this out (0 where a file gives it)", in_mm(end)));
+    limit = end;
+  };
+  take(grain.diameter_min, sieve.x.front(), "diameter_min");
+  take(grain.diameter_max, sieve.x.back(), "diameter_max");
+}
+
+void check_names(const Scene& scene, const Places& places) {
+  std::vector<std::string> names;
+  for (const Material& material : scene.materials) names.push_back(material.name);
+  for (const auto& [name, factor] : scene.infill.dem.material_coarse_graining) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    const auto nearest = nearest_name(name, names);
+    places.fail("infill.dem.material_coarse_graining." + name,
+                nearest
+                    ? fmt::format("no layer holds this material; did you mean \"{}\"?", *nearest)
+                    : fmt::format("no layer holds this material; the scene has {}", fmt::join(names, ", ")));
+  }
+}
+
+void check_pairs(const Scene& scene, const Places& places) {
+  const std::vector<GrainPair>& pairs = scene.infill.dem.pairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const GrainPair& pair = pairs[i];
+    const std::string path = fmt::format("infill.dem.pairs.{}", i);
+    const auto [a, b] = pair.materials;
+    if (a == b)
+      places.fail(path + ".materials",
+                  "is a material and itself; what grains of one kind have is in its own [grain]");
+    for (const Index m : pair.materials) {
+      const Material& material = scene.materials[static_cast<std::size_t>(m)];
+      if (!material.grain)
+        places.fail(path + ".materials",
+                    fmt::format("\"{}\" has no [grain]; name the kinds of grains in it", material.name));
+    }
+    if (!pair.friction && !pair.restitution && !pair.rolling_friction && !pair.cohesion_energy_density)
+      places.fail(path,
+                  "gives nothing; give friction, restitution, rolling_friction or cohesion_energy_density");
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::minmax(a, b) == std::minmax(pairs[j].materials[0], pairs[j].materials[1]))
+        places.fail(path + ".materials", fmt::format("is given in infill.dem.pairs.{} already", j));
+  }
+}
+
+void complete_contact(DemOptions& dem, const CleggRig& rig, const Places& places) {
+  if (dem.contact == GrainContact::hooke) {
+    if (dem.characteristic_velocity == 0) dem.characteristic_velocity = rig.speed;
+  } else if (dem.characteristic_velocity != 0) {
+    places.fail("infill.dem.characteristic_velocity",
+                "is for contact = \"hooke\"; leave it out, or choose that");
+  }
+}
+
+}  // namespace
+
+void complete_grain(GrainMaterial& grain, const std::string& path, const Places& places) {
+  const GrainSizes& sizes = grain.sizes;
+  if (sizes.law != SizeLaw::lognormal) {
+    refuse(sizes.median != 0, path + ".sizes.median", "lognormal", places);
+    refuse(sizes.geometric_deviation != 0, path + ".sizes.geometric_deviation", "lognormal", places);
+  }
+  if (sizes.law != SizeLaw::sieve) refuse(!sizes.sieve.x.empty(), path + ".sizes.sieve", "sieve", places);
+  switch (sizes.law) {
+    case SizeLaw::uniform:
+      return check_limits(grain, path, places);
+    case SizeLaw::lognormal:
+      return check_lognormal(grain, path, places);
+    case SizeLaw::sieve:
+      return complete_sieve(grain, path, places);
+  }
+}
+
+void complete_dem(Scene& scene, const Places& places) {
+  check_names(scene, places);
+  check_pairs(scene, places);
+  complete_contact(scene.infill.dem, scene.rig.clegg, places);
+}
+
+}  // namespace tuft
