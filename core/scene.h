@@ -422,7 +422,7 @@ struct Numerics {
   double contact_stiffness_factor = 10;  ///< times constrained modulus x pitch, of the penalty
   BodyContactKind body_contact = BodyContactKind::half_row;
   double shell_contact_radius =
-      0.5;  ///< (0, 1]: contact radius of SPH particles at shells over half their diameter
+      0.5;  ///< (0, 1]: contact radius of SPH particles at strands over half their diameter
   double contact_release_time = 0.002;  ///< s, over which initial overlap is let go
   double settle_time = 0.01;            ///< s of gravity settling before the rig is released
   double settle_damping = 400;          ///< 1/s, mass-proportional, while settling

@@ -214,7 +214,7 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
       {"body_contact",
        "spring of SPH particles against bodies: half_row, the infill between centre and face, or penalty"},
       numerics.body_contact, body_contacts);
-  keys.number({"shell_contact_radius", "contact radius of SPH particles at shells over half their diameter"},
+  keys.number({"shell_contact_radius", "contact radius of SPH particles at strands over half their diameter"},
               numerics.shell_contact_radius, share);
   keys.quantity({"contact_release_time", "time over which initial overlap is let go"},
                 numerics.contact_release_time, "s", non_negative);

@@ -184,7 +184,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
     }
     // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
     // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
-    parts.particle_shell.radius_factor = scene.numerics.shell_contact_radius;
+    parts.particle_shell.strand_radius_factor = scene.numerics.shell_contact_radius;
   } else {
     dem::Grains settled;
     if (request.grains != nullptr) {

@@ -16,7 +16,7 @@ double ParticleShellContact::stored_normal(std::size_t pair, const Moment& now) 
   const double root = overlap.parts[0].root;
   const double depth = overlap.value - history.offset / root * now.release;
   if (!(depth > 0)) return 0;
-  const double radius = now.particles.radius[p] * settings_.radius_factor;
+  const double radius = contact_radius(pair, now.particles);
   const double depth_before = depth - kinematics_of(p, now, radius, overlap).closing * now.dt;
   return 0.5 * root * root * depth * std::max(0.0, depth_before);
 }

@@ -37,10 +37,14 @@ double ParticleShellContact::stiffness(Index particle, double radius, Index elem
   return std::min(settings_.stiffness[particle], cover * element_stiffness_[element]);
 }
 
+double ParticleShellContact::contact_radius(std::size_t pair, const ParticleView& particles) const {
+  return particles.radius[key_point(keys_[pair])] * radius_share(key_other(keys_[pair]));
+}
+
 double ParticleShellContact::find_overlap(std::size_t pair, const Vec3& centre, const ParticleView& particles,
                                           const fe::NodeView& nodes, SoftOverlap& overlap) const {
   const Index p = key_point(keys_[pair]);
-  const double radius = particles.radius[p] * settings_.radius_factor;
+  const double radius = contact_radius(pair, particles);
   overlap.clear();
   double touching = 0;
   for (std::size_t s = first_element_[pair]; s < first_element_[pair + 1]; ++s) {
@@ -122,7 +126,7 @@ void ParticleShellContact::evaluate_pair(std::size_t pair, const Moment& now, Bl
     block.energy.friction += release_spring(history);
     return;
   }
-  const double radius = now.particles.radius[p] * settings_.radius_factor;
+  const double radius = contact_radius(pair, now.particles);
   ContactKinematics kinematics = kinematics_of(p, now, radius, overlap);
   kinematics.overlap = depth;
   const ContactParameters parameters{{stiffness}, settings_.damping_ratio[p], 0.5, settings_.friction[p]};

@@ -17,7 +17,9 @@ struct ParticleShellSettings {
   std::vector<double> stiffness;      ///< N/m, per particle, from its material
   std::vector<double> damping_ratio;  ///< per particle
   std::vector<FrictionLaw> friction;  ///< per particle, against fibre and backing
-  double radius_factor = 1;           ///< contact radius for shells over the particle's radius
+  /// Contact radius for strands over the particle's radius. The backing bounds the infill from below: what
+  /// lies on it touches with its whole radius.
+  double strand_radius_factor = 1;
   /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness),
   /// for a particle that covers a whole element; one that covers less, (2r)^2 of the element's area, gets as
   /// much less. However densely both faces are covered, the sum over a node's contacts then stays under 4.2
@@ -120,6 +122,11 @@ class ParticleShellContact {
 
   void evaluate_pair(std::size_t pair, const Moment& now, Block& block);
   /// How deep the particle is in the surface; returns the distance at which it touches, m.
+  [[nodiscard]] double radius_share(Index surface) const {
+    return surface == fe::ShellMesh::backing_surface ? 1.0 : settings_.strand_radius_factor;
+  }
+  /// m, of a pair's particle for its surface.
+  [[nodiscard]] double contact_radius(std::size_t pair, const ParticleView& particles) const;
   double find_overlap(std::size_t pair, const Vec3& centre, const ParticleView& particles,
                       const fe::NodeView& nodes, SoftOverlap& overlap) const;
   /// The side rule: which side of the surface the particle is on, and the overlap from there.

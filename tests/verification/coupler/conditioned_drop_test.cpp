@@ -48,7 +48,9 @@ std::vector<double> column(const std::string& name, const char* group, const cha
 TEST(Conditioning, PressesTheBedByTheDepthAskedForAndKeepsTheLedgerAcrossTheSwitch) {
   // As fast as below, infill and fibres would be thrown back up.
   Overrides slower = conditioned();
-  slower.insert(slower.end(), {{"conditioning.press_time", "20 ms"}, {"conditioning.lift_time", "10 ms"}});
+  slower.insert(slower.end(), {{"conditioning.press_time", "60 ms"},
+                               {"conditioning.lift_time", "30 ms"},
+                               {"conditioning.settle_time", "15 ms"}});
   const RunSummary s = run_scene("pressed", slower);
   ASSERT_EQ(s.status, "completed");
   EXPECT_LT(s.energy_error, 0.01);

@@ -188,6 +188,25 @@ TEST(StepOfContacts, OfAParticleIsThatOfItsSpringsTogether) {
   EXPECT_NEAR(contact_step(-near, far, 0, true) / bears(2 * sheet), 1, 1e-12);
 }
 
+TEST(RadiusOfContact, IsAShareAtStrandsAndTheWholeOneAtTheBacking) {
+  const auto pushed = [](bool is_backing, double gap) {
+    auto ball = std::make_unique<PointInfill>();
+    ball->add(Vec3(0.001, 0, 2.5e-4 + gap), Vec3::Zero(), 0.002, 2e-5);
+    StripCase setup;
+    setup.clamp = true;
+    setup.release = false;
+    setup.strand_radius_factor = 0.5;
+    setup.is_backing = is_backing;
+    Simulation s = make(setup, std::move(ball));
+    s.advance_interval(1e-6);
+    return s.infill().particles().vz[0] > 0;
+  };
+  EXPECT_FALSE(pushed(false, 0.0011));
+  EXPECT_TRUE(pushed(false, 0.0009));
+  EXPECT_FALSE(pushed(true, 0.0021));
+  EXPECT_TRUE(pushed(true, 0.0019));
+}
+
 TEST(BallInABowlAlone, ThatIsFoundWithinAnIntervalShortensTheRestOfIt) {
   auto ball = std::make_unique<PointInfill>();
   ball->add(Vec3(0.001, 0.0002, 0.012), Vec3(0, 0, -2), 0.002, 2e-7);

@@ -44,6 +44,26 @@ TEST(SphDrop, IsAPulseWithEnergyAndMomentumInBalance) {
   EXPECT_NEAR(sum, v.back() - v[first], 1e-6);
 }
 
+TEST(SphDrop, BedStandsOnItsBackingFromTheStart) {
+  const Overrides settling{
+      {"scene.duration", "1 ms"}, {"effects.fibres", "false"}, {"output.frames", "1 ms"}};
+  const RunSummary summary = drop("standing", settling);
+  const std::vector<double> x = h5::File::open(folder_of("standing") / "run.h5")
+                                    .root()
+                                    .open_group("frames")
+                                    .open_group("infill")
+                                    .read_doubles("position");
+  ASSERT_GE(x.size(), 3 * summary.particles);
+  double lowest = 1;
+  for (std::size_t i = x.size() - 3 * summary.particles + 2; i < x.size(); i += 3)
+    lowest = std::min(lowest, x[i]);
+  // Placed half a pitch above the backing, which lies on the floor. What falls for the 10 ms before the
+  // missile comes falls 0.5 mm.
+  const Scene scene = coarse_scene(settling);
+  const double row = scene.turf.layers.front().depth;  // one row: its depth is under the pitch
+  EXPECT_NEAR(lowest, scene.turf.carpet.backing_thickness + 0.5 * row, 1e-4);
+}
+
 /// Peak of the small scene itself, g: on the coarser one of the other tests single particles weigh too much.
 double peak_at(const std::string& step_safety, bool fibres) {
   RunRequest request;

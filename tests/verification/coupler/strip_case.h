@@ -85,7 +85,9 @@ struct StripCase {
   double softer_half = 0;  ///< Young's modulus of the half at larger x over the other's; 0: all the same
   bool subcycle = false;
   double mass_scaling_limit = 0;
-  std::optional<double> floor;         ///< m, height of a fixed plane
+  std::optional<double> floor;  ///< m, height of a fixed plane
+  double strand_radius_factor = 1;
+  bool is_backing = false;             ///< the strip, in place of a strand
   std::optional<double> second_sheet;  ///< m, height of another strip like the first
 };
 
@@ -100,6 +102,7 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   material.failure_strain = setup.failure_strain;
   std::vector<ShellMaterial> materials{material};
   fe::ShellMesh mesh = setup.in_bowl ? bowl(5e-4) : strip(setup.elements, 0.04, 0.004, 5e-4, setup.clamp);
+  if (setup.is_backing) mesh.surface.assign(mesh.quads.size(), fe::ShellMesh::backing_surface);
   if (setup.second_sheet) add_strip(mesh, *setup.second_sheet);
   if (setup.softer_half > 0) {
     materials.push_back(material);
@@ -111,6 +114,7 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   parts.particle_shell.stiffness.assign(n, setup.coupling_particle_stiffness);
   parts.particle_shell.damping_ratio.assign(n, setup.damping_ratio);
   parts.particle_shell.friction.assign(n, setup.friction);
+  parts.particle_shell.strand_radius_factor = setup.strand_radius_factor;
   parts.particle_shell.skip_pairs_apart = !setup.look_at_all;
   parts.particle_body = {
       std::vector<NormalSpring>(
