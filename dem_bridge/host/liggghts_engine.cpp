@@ -28,8 +28,8 @@
 #include "core/vector.h"
 #include "dem_bridge/cohesion.h"
 #include "dem_bridge/hertz.h"
-#include "dem_bridge/host/contact_network.h"
 #include "dem_bridge/hooke.h"
+#include "dem_bridge/host/contact_network.h"
 #include "dem_bridge/host/kick.h"
 #include "dem_bridge/host/screen_ring.h"
 
@@ -176,17 +176,19 @@ void LiggghtsEngine::Impl::expel(int a) {
   shared.expelled_mass += mass;
   for (std::size_t c = 0; c < 3; ++c) shared.expelled_momentum[c] += momentum[static_cast<Eigen::Index>(c)];
   shared.expelled_pending += kick_grain(grain, load).kinetic;
-  atom->radius[a] *= 1e-6;  // so that nothing touches it
 }
 
-/// Expelled grains stand still where they left, from the kick after that on: until then their velocity tells
-/// where they were at the last one.
+/// Expelled grains stand still where they left, and nothing touches them, from the kick after that on: until
+/// then velocity, forces and size are those of the last evaluation, which contacts are listed for.
 void LiggghtsEngine::Impl::hold_expelled() {
   auto* const atom = lammps->atom;
-  const auto expelled = memory.array(SharedArrays::expelled);
-  for (int a = 0; a < local_count(); ++a)
-    if (expelled[index(a)] != 0)
-      for (double** field : {atom->v, atom->omega, atom->f, atom->torque}) store3(field[a], Vec3(0, 0, 0));
+  const auto expelled = memory.array(SharedArrays::expelled), radius = memory.array(SharedArrays::radius);
+  for (int a = 0; a < local_count(); ++a) {
+    const std::size_t i = index(a);
+    if (expelled[i] == 0) continue;
+    for (double** field : {atom->v, atom->omega, atom->f, atom->torque}) store3(field[a], Vec3(0, 0, 0));
+    atom->radius[a] = 1e-6 * radius[i];
+  }
 }
 
 /// Adds the window's load to the forces. In a run LIGGGHTS makes the closing half kick afterwards, under all

@@ -75,6 +75,20 @@ TEST(ExpelledGrains, AreNotThereForThoseThatFollow) {
   EXPECT_GT(infill.particles().x[1], 0.007);
 }
 
+TEST(ExpelledGrains, AreListedWithTheContactsOfTheEvaluationThatTheyLeaveWith) {
+  Grains grains;
+  add_grain(grains, Vec3(0.0099, 0, 0), 0.001, 1150);
+  add_grain(grains, Vec3(0.008, 0, 0), 0.001, 1150);  // pressed by 0.1 mm
+  DemInfill infill(grains, {rubber()}, settings_in_box(0.01));
+  infill.set_velocity(0, Vec3(20, 0, 0), Vec3(0, 0, 0));
+  infill.set_velocity(1, Vec3(20, 0, 0), Vec3(0, 0, 0));
+  while (infill.expelled().particles == 0) infill.advance(window, 1, no_impulses(2));
+  EXPECT_NO_THROW((void)infill.contacts()) << "the sums of forces must be each grain's own";
+  infill.advance(window, 1, no_impulses(2));
+  infill.advance(window, 1, no_impulses(2));
+  EXPECT_NO_THROW((void)infill.contacts());
+}
+
 TEST(ExpelledGrains, StayExpelledAcrossACheckpointToTheSameBits) {
   const auto file = std::filesystem::temp_directory_path() / "tuft_expelled_grains.h5";
   DemInfill whole = flying(two_grains()), resumed = flying(two_grains());
