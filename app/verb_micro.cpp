@@ -32,6 +32,9 @@ struct Look {
 };
 
 Look look_at(const std::filesystem::path& folder, int frame) {
+  if (!std::filesystem::exists(folder / "run.h5"))
+    throw_input_error("{}: not the folder of a run: it holds no run.h5; give a folder that `tuft run` wrote",
+                      folder.string());
   const h5::Group root = h5::File::open(folder / "run.h5").root();
   const std::size_t frames = coupler::micro_frames(root);
   if (frames == 0)
