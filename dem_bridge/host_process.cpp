@@ -87,12 +87,9 @@ fs::path find_host(const std::string& wanted) {
   return beside;
 }
 
-HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>& arguments,
-                         int shared_memory, const fs::path& log, const fs::path& scratch) {
-  std::vector<std::string> argument_texts{program.string()};
-  argument_texts.insert(argument_texts.end(), arguments.begin(), arguments.end());
+HostProcess::HostProcess(std::vector<std::string> command, const fs::path& log, const fs::path& scratch) {
   std::vector<std::string> environment_texts = host_environment(scratch);
-  auto argument_pointers = pointers_to(argument_texts);
+  auto argument_pointers = pointers_to(command);
   auto environment_pointers = pointers_to(environment_texts);
 
   posix_spawn_file_actions_t actions;
@@ -102,8 +99,8 @@ HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  ::posix_spawn_file_actions_adddup2(&actions, shared_memory, 3);
-  ::posix_spawn_file_actions_addclosefrom_np(&actions, 4);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  ::posix_spawn_file_actions_addchdir_np(&actions, scratch.c_str());
   sigset_t none, standard;
   ::sigemptyset(&none);
   ::sigfillset(&standard);
@@ -113,12 +110,12 @@ HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>
   ::posix_spawnattr_setflags(&attributes,
                              POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int failure = ::posix_spawn(&child, program.c_str(), &actions, &attributes, argument_pointers.data(),
-                                    environment_pointers.data());
+  const int failure = ::posix_spawn(&child, command.front().c_str(), &actions, &attributes,
+                                    argument_pointers.data(), environment_pointers.data());
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   if (failure != 0)
-    throw_run_error("liggghts_host: {} cannot be started: {}", program.string(), std::strerror(failure));
+    throw_run_error("liggghts_host: {} cannot be started: {}", command.front(), std::strerror(failure));
   id_ = child;
   descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   if (descriptor_ < 0) {

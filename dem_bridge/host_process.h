@@ -13,12 +13,12 @@ namespace tuft::dem {
 
 class HostProcess {
  public:
-  /// Starts `program arguments...` with `shared_memory` as descriptor 3 and its output in `log`, in a process
-  /// group of its own (Ctrl-C must reach the driver, which then checkpoints, and not the host). `scratch` is
-  /// its temporary folder. Throws RunError. The thread that starts it should live as long as the host: the
-  /// kernel ends the host with it.
-  HostProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-              int shared_memory, const std::filesystem::path& log, const std::filesystem::path& scratch);
+  /// Starts `command` (a program's path and its arguments) with its output in `log`, in a process group of
+  /// its own (Ctrl-C must reach the driver, which then checkpoints, and not the host). `scratch` is its
+  /// working and temporary folder. Throws RunError. The thread that starts it should live as long as the
+  /// host: the kernel ends the host with it.
+  HostProcess(std::vector<std::string> command, const std::filesystem::path& log,
+              const std::filesystem::path& scratch);
   /// Kills it if it still runs; never leaves a zombie.
   ~HostProcess();
   HostProcess(const HostProcess&) = delete;

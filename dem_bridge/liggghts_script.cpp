@@ -1,10 +1,7 @@
 #include "dem_bridge/liggghts_script.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <functional>
 
 #include "core/error.h"
@@ -98,23 +95,19 @@ std::array<Vec3, 2> host_domain(const DemSettings& settings) {
   return {settings.box[0] - margin, settings.box[1] + margin};
 }
 
-void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
-                     const std::array<Vec3, 2>& box) {
-  std::FILE* stream = std::fopen(file.c_str(), "w");
-  if (stream == nullptr) throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
-  std::fprintf(stream, "grains\n\n%zu atoms\n%zu atom types\n\n", grains.size(), used.size());
+std::vector<std::uint8_t> data_file(const Grains& grains, const std::vector<Index>& used,
+                                    const std::array<Vec3, 2>& box) {
+  std::string text = fmt::format("grains\n\n{} atoms\n{} atom types\n\n", grains.size(), used.size());
   const char* axes = "xyz";
   for (int a = 0; a < 3; ++a)
-    std::fprintf(stream, "%.17g %.17g %clo %chi\n", box[0][a], box[1][a], axes[a], axes[a]);
-  std::fprintf(stream, "\nAtoms\n\n");
+    text += fmt::format("{:.17g} {:.17g} {}lo {}hi\n", box[0][a], box[1][a], axes[a], axes[a]);
+  text += "\nAtoms\n\n";
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const auto type = std::lower_bound(used.begin(), used.end(), grains.material[i]) - used.begin() + 1;
-    std::fprintf(stream, "%zu %td %.17g %.17g %.17g %.17g %.17g\n", i + 1, type, 2 * grains.radius[i],
-                 grains.density[i], grains.position.x[i], grains.position.y[i], grains.position.z[i]);
+    text += fmt::format("{} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", i + 1, type, 2 * grains.radius[i],
+                        grains.density[i], grains.position.x[i], grains.position.y[i], grains.position.z[i]);
   }
-  const bool bad = std::ferror(stream) != 0;
-  if (std::fclose(stream) != 0 || bad)
-    throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
+  return {text.begin(), text.end()};
 }
 
 std::string set_up_commands(const std::string& source, const std::vector<Index>& used,

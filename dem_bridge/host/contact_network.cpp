@@ -33,7 +33,7 @@ class VelocitiesOfEvaluation {
   VelocitiesOfEvaluation(LAMMPS_NS::Atom& atom, const SharedMemory& memory) : atom_(atom) {
     for (double** const field : {atom.v, atom.omega}) {
       const std::size_t first = field == atom.v ? SharedArrays::velocity_x : SharedArrays::spin_x;
-      for (int a = 0; a < atom.nlocal; ++a)
+      for (int a = 0; a < atom.nlocal + atom.nghost; ++a)
         for (std::size_t c = 0; c < 3; ++c) {
           kept_.push_back(field[a][c]);
           field[a][c] = memory.array(first + c)[static_cast<std::size_t>(atom.tag[a] - 1)];
@@ -43,7 +43,7 @@ class VelocitiesOfEvaluation {
   ~VelocitiesOfEvaluation() {
     const double* from = kept_.data();
     for (double** const field : {atom_.v, atom_.omega})
-      for (int a = 0; a < atom_.nlocal; ++a, from += 3) std::copy_n(from, 3, field[a]);
+      for (int a = 0; a < atom_.nlocal + atom_.nghost; ++a, from += 3) std::copy_n(from, 3, field[a]);
   }
   VelocitiesOfEvaluation(const VelocitiesOfEvaluation&) = delete;
   VelocitiesOfEvaluation& operator=(const VelocitiesOfEvaluation&) = delete;
@@ -110,8 +110,9 @@ std::vector<ContactRecord> read_records(LAMMPS_NS::ComputePairGranLocal& compute
   return records;
 }
 
-void check_sums(const std::vector<ContactRecord>& records, const LAMMPS_NS::Atom& atom) {
-  std::vector<Vec3> left(static_cast<std::size_t>(atom.nlocal));
+/// Of the grains of this rank, whose contacts with other ranks' grains are all among the records.
+void check_sums(const std::vector<ContactRecord>& records, const LAMMPS_NS::Atom& atom, std::size_t grains) {
+  std::vector<Vec3> left(grains, Vec3(0, 0, 0));
   for (int a = 0; a < atom.nlocal; ++a)
     left[static_cast<std::size_t>(atom.tag[a] - 1)] = Vec3(atom.f[a][0], atom.f[a][1], atom.f[a][2]);
   double largest = 0;
@@ -121,12 +122,22 @@ void check_sums(const std::vector<ContactRecord>& records, const LAMMPS_NS::Atom
     left[static_cast<std::size_t>(record.second)] += force;
     largest = std::max(largest, force.norm());
   }
-  for (std::size_t i = 0; i < left.size(); ++i)
+  for (int a = 0; a < atom.nlocal; ++a) {
+    const auto i = static_cast<std::size_t>(atom.tag[a] - 1);
     if (!(left[i].norm() <= largest_difference * largest))
       throw std::runtime_error(
           fmt::format("the contacts of grain {} add up to a force that differs from its own by {:.3g} N (the "
                       "largest of a contact is {:.3g} N)",
                       i, left[i].norm(), largest));
+  }
+}
+
+/// A contact between two ranks' grains is told by the rank of the first grain.
+void keep_own(std::vector<ContactRecord>& records, const LAMMPS_NS::Atom& atom, std::size_t grains) {
+  std::vector<char> own(grains, 0);
+  for (int a = 0; a < atom.nlocal; ++a) own[static_cast<std::size_t>(atom.tag[a] - 1)] = 1;
+  std::erase_if(
+      records, [&](const ContactRecord& record) { return own[static_cast<std::size_t>(record.first)] == 0; });
 }
 
 }  // namespace
@@ -144,8 +155,9 @@ std::string list_contacts(LAMMPS_NS::LAMMPS& lammps, const SharedMemory& memory,
     const SpringsPastTheirLimit springs(*pair);
     compute->compute_local();
   }
-  const std::vector<ContactRecord> records = read_records(*compute);
-  if (own_forces_current) check_sums(records, *lammps.atom);
+  std::vector<ContactRecord> records = read_records(*compute);
+  if (own_forces_current) check_sums(records, *lammps.atom, memory.grains());
+  keep_own(records, *lammps.atom, memory.grains());
   std::string bytes(records.size() * sizeof(ContactRecord), '\0');
   if (!records.empty()) std::memcpy(bytes.data(), records.data(), bytes.size());
   return bytes;
