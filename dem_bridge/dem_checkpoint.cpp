@@ -38,6 +38,7 @@ void DemInfill::Impl::write_loads(h5::Group& group, const char* name,
   for (std::size_t c = 0; c < 3; ++c)
     for (const GrainLoadRecord& load : memory().loads()) values.push_back((load.*part)[c]);
   group.write(name, values, {3, grains.size()});
+  loaded.assign(grains.size(), 1);  // with forces of the host's
 }
 
 void DemInfill::Impl::read_loads(const h5::Group& group, const char* name,

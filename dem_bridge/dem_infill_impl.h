@@ -57,6 +57,7 @@ struct DemInfill::Impl {
   std::uint64_t steps = 0;  // substeps so far
   double waiting = 0, exchanging = 0;
   std::vector<std::uint8_t> expelled_mask;  // as ParticleView has it
+  std::vector<std::uint8_t> loaded;         // 0: the grain's load in the shared memory is zero
   HostSums sums;
   ExpelledSums expelled;
   std::vector<double> overlap_largest;  // over the run, by pair_place of `used`

@@ -18,13 +18,24 @@ void LiggghtsEngine::Impl::publish_state() {
   const Components x = components(SharedArrays::position_x), v = components(SharedArrays::velocity_x),
                    w = components(SharedArrays::spin_x);
   const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
+  // Rows follow each other: no need to look up where a row begins.
+  const double *const positions = count > 0 ? atom->x[0] : nullptr,
+               *const velocities = count > 0 ? atom->v[0] : nullptr,
+               *const spins = count > 0 ? atom->omega[0] : nullptr;
+  constexpr std::size_t ahead = 16;  // grains that are fetched before it is their turn
   double poison = 0;
   bool all_inside = true;
   for (std::size_t i = 0; i < place.size(); ++i) {
+    if (i + ahead < place.size() && place[i + ahead] >= 0) {
+      const std::ptrdiff_t next = 3 * static_cast<std::ptrdiff_t>(place[i + ahead]);
+      __builtin_prefetch(positions + next);
+      __builtin_prefetch(velocities + next);
+      __builtin_prefetch(spins + next);
+    }
     if (place[i] < 0) continue;
-    const double* const position = atom->x[place[i]];
-    const double* const velocity = atom->v[place[i]];
-    const double* const spin = atom->omega[place[i]];
+    const std::ptrdiff_t row = 3 * static_cast<std::ptrdiff_t>(place[i]);
+    const double *const position = positions + row, *const velocity = velocities + row,
+                        *const spin = spins + row;
     x.x[i] = position[0], x.y[i] = position[1], x.z[i] = position[2];
     v.x[i] = velocity[0], v.y[i] = velocity[1], v.z[i] = velocity[2];
     w.x[i] = spin[0], w.y[i] = spin[1], w.z[i] = spin[2];
