@@ -74,6 +74,7 @@ void DemInfill::save(h5::Group& group) {
   group.write("overlap_largest", my.overlap_largest);
   group.write_scalar("time", my.time);
   group.write_scalar("step", my.shared().step);
+  group.write_scalar("largest_step", my.largest_step);
   group.write_scalar("steps", my.steps);
   group.write_scalar("damping", my.damping);
   group.write_scalar("initial_stored", my.initial_stored);
@@ -94,6 +95,7 @@ void DemInfill::load(const h5::Group& group) {
     throw_input_error("checkpoint: {} works of the infill instead of 9: it is damaged", works.size());
   my.new_host();
   my.time = group.read_double("time");
+  my.largest_step = group.read_double("largest_step");
   my.steps = group.read_count("steps");
   my.damping = group.read_double("damping");
   my.initial_stored = group.read_double("initial_stored");

@@ -20,6 +20,10 @@ ContactNetwork read_contacts(const std::string& bytes, const ParticleView& grain
   std::sort(records.begin(), records.end(), [](const ContactRecord& a, const ContactRecord& b) {
     return std::tie(a.first, a.second) < std::tie(b.first, b.second);
   });
+  const auto twice = std::ranges::unique(records, [](const ContactRecord& a, const ContactRecord& b) {
+    return a.first == b.first && a.second == b.second;  // told by both ranks
+  });
+  records.erase(twice.begin(), twice.end());
   ContactNetwork network;
   const auto count = static_cast<Index>(grains.size());
   for (const ContactRecord& record : records) {

@@ -11,6 +11,7 @@
 #include "dem_bridge/dem_contacts.h"
 #include "dem_bridge/dem_infill_impl.h"
 #include "dem_bridge/grain_contact.h"
+#include "dem_bridge/hertz.h"
 
 namespace tuft::dem {
 
@@ -21,11 +22,16 @@ DemInfill::Impl::Impl(const Grains& given, const std::vector<Material>& given_ma
     : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
   const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
   sizes = {grains.size(), *smallest, *largest};
-  stable_step = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < grains.size(); ++i)
+  stable_step = rayleigh_time = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const GrainMaterial& grain = *materials[static_cast<std::size_t>(grains.material[i])].grain;
+    rayleigh_time = std::min(rayleigh_time, stable_grain_step(grains.radius[i], grains.density[i],
+                                                              grain.young_modulus, grain.poisson_ratio) /
+                                                stable_rayleigh_share);
     stable_step =
         std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
                                                    used, materials, settings.options));
+  }
   overlap_largest.assign(used.size() * (used.size() + 1) / 2, 0);
 }
 
@@ -200,14 +206,19 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   my.take_report(report);
   my.started = true;
   my.stored_is_current = std::exchange(my.energy_wanted, false);
+  my.time += window;
   if (my.stored_is_current) {
     my.sum_stored();
     my.take_overlaps();
   }
-  my.time += window;
+  my.largest_step = std::max(my.largest_step, shared.step);
   my.steps += static_cast<std::uint64_t>(substeps);
   my.exchanging += std::chrono::duration<double>(Clock::now() - begin).count();
   return report;
+}
+
+double DemInfill::rayleigh_share() const {
+  return impl_->largest_step / impl_->rayleigh_time;
 }
 
 void DemInfill::set_damping(double rate) {

@@ -42,6 +42,7 @@ struct DemInfill::Impl {
   DemSettings settings;
   std::vector<Index> used;
   double stable_step = 0;
+  double rayleigh_time = 0, largest_step = 0;  // s, of the grain with the smallest; so far
   GrainSizes sizes;
 
   std::unique_ptr<HostLink> host;

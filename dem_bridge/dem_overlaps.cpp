@@ -38,6 +38,29 @@ DemInfill::OverlapStatistics DemInfill::overlaps() const {
   return statistics_of(overlaps);
 }
 
+std::vector<DemInfill::PairOverlaps> DemInfill::largest_overlaps() const {
+  const Impl& my = *impl_;
+  std::vector<PairOverlaps> pairs;
+  for (std::size_t b = 0; b < my.used.size(); ++b)
+    for (std::size_t a = 0; a <= b; ++a) {  // in the order of pair_place
+      pairs.push_back({my.used[a], my.used[b], {}, my.overlap_largest[pair_place(a, b)]});
+    }
+  return pairs;
+}
+
+std::vector<DemInfill::PairOverlaps> DemInfill::overlaps_by_pair() const {
+  std::vector<PairOverlaps> pairs = largest_overlaps();
+  std::vector<std::vector<double>> overlaps(pairs.size());
+  for (const OverlapRecord& record : read_records(impl_->ask(Request::contacts)))
+    overlaps.at(pair_place(static_cast<std::size_t>(record.first), static_cast<std::size_t>(record.second)))
+        .push_back(record.overlap);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    pairs[p].now = statistics_of(overlaps[p]);
+    pairs[p].largest_of_run = std::max(pairs[p].largest_of_run, pairs[p].now.largest);
+  }
+  return pairs;
+}
+
 /// What the host has seen since it was last looked at, and the limit that the scene sets.
 void DemInfill::Impl::take_overlaps() {
   for (std::size_t r = 0; r < memory().ranks(); ++r)
@@ -45,6 +68,17 @@ void DemInfill::Impl::take_overlaps() {
       double& largest = memory().rank(r).overlap_largest[pair];
       overlap_largest[pair] = std::max(overlap_largest[pair], std::exchange(largest, 0));
     }
+  const double limit = settings.options.overlap_limit;
+  if (!(limit > 0)) return;
+  for (std::size_t b = 0; b < used.size(); ++b)
+    for (std::size_t a = 0; a <= b; ++a)
+      if (const double largest = overlap_largest[pair_place(a, b)]; largest > limit)
+        throw_run_error(
+            "DEM infill at t = {:.9g} s: grains of {} and {} overlap by {:.3g} of the smaller radius, more "
+            "than infill.dem.overlap_limit = {:g}; make the grains stiffer, or raise the limit if that much "
+            "is meant",
+            time, materials[static_cast<std::size_t>(used[a])].name,
+            materials[static_cast<std::size_t>(used[b])].name, largest, limit);
 }
 
 std::vector<Infill::Field> DemInfill::fields() const {

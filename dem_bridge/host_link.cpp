@@ -1,8 +1,5 @@
 #include "dem_bridge/host_link.h"
 
-#include <algorithm>
-#include <sstream>
-
 #include "core/error.h"
 
 namespace tuft::dem {
@@ -14,26 +11,12 @@ Clock::time_point deadline_in(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-  return text.substr(0, 400);
-}
-
 }  // namespace
 
-std::string telling_line(const std::string& text) {
-  std::istringstream stream(text);
-  std::string last;
-  for (std::string line; std::getline(stream, line);) {
-    if (line.find("ERROR") != std::string::npos) return one_line(line);
-    if (line.find_first_not_of(" \t\r-=*") != std::string::npos) last = line;
-  }
-  return one_line(last);
-}
-
 HostLink::HostLink(const DemOptions& options, std::size_t grains)
-    : timeout_(options.answer_timeout), wire_(start_local_host(options, grains, deadline_in(timeout_))) {
+    : timeout_(options.answer_timeout),
+      wire_(options.host.starts_with("tcp://") ? reach_remote_host(options, grains)
+                                               : start_local_host(options, grains, deadline_in(timeout_))) {
   ask(Request::hello, {}, "starting liggghts_host");
 }
 
@@ -57,10 +40,7 @@ std::string HostLink::ask(Request request, std::string_view text, std::string_vi
     case HostWire::Outcome::answered:
       break;
     case HostWire::Outcome::silent:
-      fail(fmt::format(
-          "{}: liggghts_host did not answer for {} s and was ended; it hangs, or the window is too long for "
-          "the timeout",
-          doing, timeout_));
+      fail(fmt::format("{}: liggghts_host did not answer for {} s {}", doing, timeout_, wire_->why_silent()));
     case HostWire::Outcome::gone: {
       const std::string ending = wire_->how_it_went(), words = wire_->last_words();
       fail(fmt::format("{}: liggghts_host {}{}", doing, ending,

@@ -11,6 +11,11 @@ namespace tuft::dem {
 /// RunError naming the path that is missing or not executable, and what to do.
 [[nodiscard]] std::filesystem::path find_host(const std::string& wanted);
 
+/// mpirun of Open MPI in PATH. Throws RunError.
+[[nodiscard]] std::filesystem::path find_mpirun();
+
+enum class Launch { alone, mpirun };
+
 class HostProcess {
  public:
   /// Starts `command` (a program's path and its arguments) with its output in `log`, in a process group of
@@ -18,7 +23,7 @@ class HostProcess {
   /// working and temporary folder. Throws RunError. The thread that starts it should live as long as the
   /// host: the kernel ends the host with it.
   HostProcess(std::vector<std::string> command, const std::filesystem::path& log,
-              const std::filesystem::path& scratch);
+              const std::filesystem::path& scratch, Launch launch = Launch::alone);
   /// Kills it if it still runs; never leaves a zombie.
   ~HostProcess();
   HostProcess(const HostProcess&) = delete;

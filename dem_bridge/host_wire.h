@@ -37,6 +37,8 @@ class HostWire {
   /// be empty), a line each.
   [[nodiscard]] virtual std::string how_it_went() = 0;
   [[nodiscard]] virtual std::string last_words() = 0;
+  /// After Outcome::silent: "and was ended; it hangs, or ..."
+  [[nodiscard]] virtual std::string why_silent() const = 0;
   virtual void kill() = 0;
 
   /// Files in the folder that LIGGGHTS' commands know. Throws RunError.
@@ -53,7 +55,9 @@ class HostWire {
 [[nodiscard]] std::unique_ptr<HostWire> start_local_host(const DemOptions& options, std::size_t grains,
                                                          HostWire::Clock::time_point deadline);
 
-/// First line with ERROR in it, else the last that is not blank or ruled; empty if there is none.
-[[nodiscard]] std::string telling_line(const std::string& text);
+/// A host that listens at options.host, "tcp://machine:port" (`liggghts_host --listen`), with a memory of its
+/// own: what is shared here travels there. Nothing is encrypted, and nobody asked who they are. Throws
+/// InputError for a bad address and for more than one rank.
+[[nodiscard]] std::unique_ptr<HostWire> reach_remote_host(const DemOptions& options, std::size_t grains);
 
 }  // namespace tuft::dem

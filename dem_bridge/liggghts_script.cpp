@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "core/error.h"
 #include "dem_bridge/grain_contact.h"
+#include "dem_bridge/protocol.h"
 
 namespace tuft::dem {
 namespace {
@@ -48,6 +50,19 @@ std::string per_pair(const char* id, const char* property, std::size_t types,
 
 }  // namespace
 
+std::array<int, 2> rank_grid(int ranks, double length_x, double length_y) {
+  std::array<int, 2> best{ranks, 1};
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int x = 1; x <= ranks; ++x) {
+    if (ranks % x != 0) continue;
+    const double cuts = (x - 1) * length_y + (ranks / x - 1) * length_x;
+    if (cuts > shortest || (cuts == shortest && x < best[0])) continue;
+    shortest = cuts;
+    best = {x, ranks / x};
+  }
+  return best;
+}
+
 std::vector<Index> used_materials(const Grains& grains) {
   std::vector<Index> used = grains.material;
   std::sort(used.begin(), used.end());
@@ -64,6 +79,8 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
     throw_input_error("DEM infill: {} radii but {} positions, {} densities, {} layers, {} materials", count,
                       grains.position.size(), grains.density.size(), grains.layer.size(),
                       grains.material.size());
+  if (const std::size_t kinds = used_materials(grains).size(); kinds > largest_kinds)
+    throw_input_error("DEM infill: {} grain materials; there may be {}: mix fewer", kinds, largest_kinds);
   if (settings.options.contact == GrainContact::hooke && !(settings.options.characteristic_velocity > 0))
     throw_input_error(
         "DEM infill: infill.dem.characteristic_velocity is {} m/s; contact = \"hooke\" needs it above 0",
@@ -130,6 +147,12 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
       "boundary f f f\n"
       "newton off\n"
       "communicate single vel yes\n";
+  // A layer is flat: divided in height, most ranks would hold air.
+  if (settings.options.ranks > 1) {
+    const Vec3 size = settings.box[1] - settings.box[0];
+    const auto [along_x, along_y] = rank_grid(settings.options.ranks, size.x(), size.y());
+    text += fmt::format("processors {} {} 1\n", along_x, along_y);
+  }
   text += source + "\n";
   text += fmt::format("neighbor {:.17g} bin\n", skin_share * sizes.smallest);
   text += fmt::format("neigh_modify delay 0 every 1 check yes contact_distance_factor {} binsize {:.17g}\n",

@@ -28,6 +28,9 @@ struct GrainSizes {
   double smallest = 0, largest = 0;  ///< m, radii
 };
 
+/// Ranks along x and y that divide a layer of these lengths (m) with the shortest cuts.
+[[nodiscard]] std::array<int, 2> rank_grid(int ranks, double length_x, double length_y);
+
 /// All commands, one a line. `source` is "read_data FILE" or "read_restart FILE"; the rest must be the same
 /// for both, because LIGGGHTS hands a restart file's history back by the ids of fixes.
 [[nodiscard]] std::string set_up_commands(const std::string& source, const std::vector<Index>& used,

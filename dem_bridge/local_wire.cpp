@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "dem_bridge/host_process.h"
 #include "dem_bridge/host_wire.h"
+#include "dem_bridge/last_words.h"
 #include "dem_bridge/message_socket.h"
 #include "dem_bridge/protocol.h"
 #include "dem_bridge/scratch_folder.h"
@@ -44,7 +45,7 @@ class LocalWire final : public HostWire {
       : memory_(SharedMemory::create(grains, ranks_of(options))),
         listener_(folder_.path() / "control"),
         process_(host_command(find_host(options.host), ranks_of(options)), folder_.path() / "host.log",
-                 folder_.path()) {
+                 folder_.path(), options.ranks > 1 ? Launch::mpirun : Launch::alone) {
     connect_ranks(options, deadline);
   }
 
@@ -100,6 +101,9 @@ class LocalWire final : public HostWire {
       if (text.find("ERROR") != std::string::npos) return telling_line(text);
     return telling_line(texts.back());
   }
+  std::string why_silent() const override {
+    return "and was ended; it hangs, or the window is too long for the timeout";
+  }
   void kill() override { process_.kill(); }
 
   void write_file(const std::string& name, const std::vector<std::uint8_t>& bytes) override {
@@ -123,11 +127,16 @@ class LocalWire final : public HostWire {
   int process_id() const override { return process_.id(); }
 
  private:
-  static std::size_t ranks_of(const DemOptions&) { return 1; }
+  static std::size_t ranks_of(const DemOptions& options) { return static_cast<std::size_t>(options.ranks); }
 
-  [[nodiscard]] std::vector<std::string> host_command(const fs::path& program, std::size_t) const {
-    return {program.string(), "--driver", std::to_string(::getpid()), "--socket",
-            (folder_.path() / "control").string()};
+  [[nodiscard]] std::vector<std::string> host_command(const fs::path& program, std::size_t ranks) const {
+    std::vector<std::string> command{program.string(), "--driver", std::to_string(::getpid()), "--socket",
+                                     (folder_.path() / "control").string()};
+    if (ranks == 1) return command;
+    const std::vector<std::string> launcher{find_mpirun().string(), "-n",        std::to_string(ranks),
+                                            "--oversubscribe",      "--bind-to", "none"};
+    command.insert(command.begin(), launcher.begin(), launcher.end());
+    return command;
   }
 
   /// Each rank says who it is and is given the memory.

@@ -20,8 +20,8 @@ void LiggghtsEngine::Impl::publish_state() {
   const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
   // Rows follow each other: no need to look up where a row begins.
   const double *const positions = count > 0 ? atom->x[0] : nullptr,
-               *const velocities = count > 0 ? atom->v[0] : nullptr,
-               *const spins = count > 0 ? atom->omega[0] : nullptr;
+                      *const velocities = count > 0 ? atom->v[0] : nullptr,
+                      *const spins = count > 0 ? atom->omega[0] : nullptr;
   constexpr std::size_t ahead = 16;  // grains that are fetched before it is their turn
   double poison = 0;
   bool all_inside = true;

@@ -1,6 +1,8 @@
-/// liggghts_host --driver PROCESS --socket PATH: LIGGGHTS behind the wire. Started by tuft; given the shared
-/// memory at the socket; answers one request at a time until told to quit or until the driver is gone. Under
-/// mpirun each rank has its own connection.
+/// LIGGGHTS behind the wire. Answers one request at a time until told to quit or until the driver is gone.
+///   liggghts_host --driver PROCESS --socket PATH   started by tuft; given the shared memory at the socket;
+///                                                  under mpirun each rank has its own connection
+///   liggghts_host --listen tcp://*:PORT [--once]   started by hand, for drivers on other machines
+///   liggghts_host --serve tcp://*:PORT PROCESS     started by --listen, process PROCESS, for one driver
 #include <mpi.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,10 +14,11 @@
 #include <exception>
 #include <iostream>
 #include <string>
-#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "dem_bridge/host/liggghts_engine.h"
+#include "dem_bridge/host/listen.h"
 #include "dem_bridge/host/serve.h"
 #include "dem_bridge/message_socket.h"
 #include "dem_bridge/protocol.h"
@@ -25,10 +28,10 @@ namespace {
 
 using namespace tuft::dem;
 
-/// Ends this process when the driver ends, whatever LIGGGHTS is at. (As a child of the driver the kernel does
-/// so at once; a rank is a child of mpirun.)
-void end_with_driver(pid_t driver) {
-  const int watch = static_cast<int>(::syscall(SYS_pidfd_open, driver, 0));
+/// Ends this process when who started it ends, whatever LIGGGHTS is at. (For a child the kernel does so at
+/// once; a rank is a child of mpirun.)
+void end_with(pid_t starter) {
+  const int watch = static_cast<int>(::syscall(SYS_pidfd_open, starter, 0));
   if (watch < 0) ::_exit(EXIT_FAILURE);  // it is gone already
   std::thread([watch] {
     pollfd ended{watch, POLLIN, 0};
@@ -70,17 +73,22 @@ int run(const std::string& path) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 5 || std::string_view(arguments[1]) != "--driver" ||
-      std::string_view(arguments[3]) != "--socket") {
-    std::cerr << "liggghts_host is started by tuft; usage: liggghts_host --driver PROCESS --socket PATH\n";
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  const std::string mode = words.empty() ? "" : words[0];
+  const bool once = words.size() == 3 && words[2] == "--once";
+  if (mode == "--listen" && (words.size() == 2 || once)) return listen_for_drivers(words[1], once);
+  const bool serves = mode == "--serve" && words.size() == 3;
+  if (!serves && !(mode == "--driver" && words.size() == 4 && words[2] == "--socket")) {
+    std::cerr << "liggghts_host is started by tuft; by hand for another machine: liggghts_host --listen "
+                 "tcp://*:PORT [--once]\n";
     return 2;
   }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  end_with_driver(static_cast<pid_t>(std::strtol(arguments[2], nullptr, 10)));
+  end_with(static_cast<pid_t>(std::strtol(words[serves ? 2 : 1].c_str(), nullptr, 10)));
   MPI_Init(nullptr, nullptr);
-  int status = EXIT_FAILURE;
+  int status = serves ? cannot_listen : EXIT_FAILURE;
   try {
-    status = run(arguments[4]);
+    status = serves ? serve_one_driver(words[1]) : run(words[3]);
   } catch (const std::exception& error) {
     std::cerr << "ERROR: " << error.what() << '\n';
   }

@@ -96,8 +96,8 @@ std::string LiggghtsEngine::Impl::list_overlaps() {
     coordination[index(a)] += 1;
     if (own) coordination[index(b)] += 1;
     if (!own && index(a) > index(b)) return;
-    const auto [first, second] = std::minmax(atom->type[a] - 1, atom->type[b] - 1);
-    records.push_back({first, second, overlap / std::min(atom->radius[a], atom->radius[b])});
+    const int s = atom->type[a] - 1, t = atom->type[b] - 1;
+    records.push_back({std::min(s, t), std::max(s, t), overlap / std::min(atom->radius[a], atom->radius[b])});
   });
   std::string bytes(records.size() * sizeof(OverlapRecord), '\0');
   if (!records.empty()) std::memcpy(bytes.data(), records.data(), bytes.size());
