@@ -85,7 +85,7 @@ TEST(Specimen, OfBothInfillsSideBySideGivesOnePageThatTellsThemApart) {
 TEST(Specimen, IsCheckedAndExplainedWithoutAPatch) {
   const Outcome checked = run_tuft({"check", "inputs/oedometer_sbr.toml"});
   EXPECT_EQ(checked.exit_code, 0) << checked.error;
-  EXPECT_NE(checked.out.find("1 085 particles"), std::string::npos) << checked.out;
+  EXPECT_NE(checked.out.find("2 382 particles"), std::string::npos) << checked.out;
   const Outcome explained = run_tuft({"explain", "inputs/direct_shear_sbr.toml"});
   EXPECT_EQ(explained.exit_code, 0) << explained.error;
   EXPECT_NE(explained.out.find("300 kPa"), std::string::npos) << explained.out;
