@@ -35,7 +35,7 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
     if (!skip.empty() && skip[i] != 0) continue;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (!bodies[b].present) continue;
-      if (surface_point(bodies[b], points.position(i), 0).distance < points.radius[i] + skin)
+      if (surface_point(bodies[b], points.position(i), 0).distance < points.largest_radius(i) + skin)
         keys.push_back(make_key(static_cast<Index>(i), static_cast<Index>(b)));
     }
   }
@@ -45,8 +45,7 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
   if (!searched_ && keep_overlap) {
     for (std::size_t g = 0; g < keys_.size(); ++g) {
       const Index i = key_point(keys_[g]);
-      const double overlap =
-          points.radius[i] - surface_point(bodies[key_other(keys_[g])], points.position(i), 0).distance;
+      const double overlap = overlap_of(i, bodies[key_other(keys_[g])], points);
       histories_[g].offset = std::sqrt(settings_.spring[i].stiffness) * std::max(0.0, overlap);
       // Rounding of a lattice against a wall is not an overlap.
       if (overlap > 1e-9 * points.radius[i]) ++initial_overlap_.pairs;
@@ -66,7 +65,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   const ContactParameters parameters{settings_.spring[i], settings_.damping_ratio[i], tangential_ratio,
                                      body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
-  const double overlap = points.radius[i] - surface.distance;
+  const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
+  const double overlap = radius - surface.distance;
   ContactKinematics kinematics;
   const double root = std::sqrt(parameters.spring.stiffness);
   kinematics.overlap = overlap - history.offset / root * release;
@@ -76,7 +76,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
     return result;
   }
   kinematics.normal = surface.normal;
-  result.arm = -points.radius[i] * surface.normal;
+  result.arm = -radius * surface.normal;
   kinematics.velocity = points.velocity(i) + points.spin(i).cross(result.arm) - body.velocity;
   kinematics.closing = -kinematics.velocity.dot(kinematics.normal);
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
@@ -88,7 +88,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
 }
 
 double BodyContact::overlap_of(Index point, const RigidBody& body, const ParticleView& points) {
-  return points.radius[point] - surface_point(body, points.position(point), 0).distance;
+  const SurfacePoint surface = surface_point(body, points.position(point), 0);
+  return points.radius_along(static_cast<std::size_t>(point), surface.normal) - surface.distance;
 }
 
 BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
@@ -148,10 +149,8 @@ void BodyContact::let_go(Index body, const ParticleView& points, const std::vect
     const Index i = key_point(keys_[g]);
     ContactHistory& history = histories_[g];
     const NormalSpring& spring = settings_.spring[i];
-    const double distance =
-                     surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
-                 overlap =
-                     points.radius[i] - distance - history.offset / std::sqrt(spring.stiffness) * release;
+    const double overlap = overlap_of(i, bodies[static_cast<std::size_t>(body)], points) -
+                           history.offset / std::sqrt(spring.stiffness) * release;
     if (overlap > 0) energy_.damped += spring.energy(overlap);
     energy_.friction += release_spring(history);
   }
@@ -165,8 +164,7 @@ void BodyContact::replace_springs(std::vector<NormalSpring> springs, const Parti
     ContactHistory& history = histories_[g];
     const NormalSpring &old = settings_.spring[i], &now = springs[i];
     const double offset = history.offset / std::sqrt(old.stiffness);
-    const double overlap =
-        points.radius[i] - surface_point(body, points.position(i), 0).distance - offset * release;
+    const double overlap = overlap_of(i, body, points) - offset * release;
     if (overlap > 0) energy_.damped += old.energy(overlap) - now.energy(overlap);
     history.offset = offset * std::sqrt(now.stiffness);
   }
@@ -189,7 +187,8 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
     const RigidBody& body = bodies[static_cast<std::size_t>(key_other(key))];
     const SurfacePoint surface = surface_point(body, points.position(i), 0);
     const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
-    const double overlap = points.radius[i] - surface.distance + horizon * std::max(0.0, closing);
+    const double overlap = points.radius_along(static_cast<std::size_t>(i), surface.normal) -
+                           surface.distance + horizon * std::max(0.0, closing);
     if (overlap > 0) stiffness[i] = std::max(stiffness[i], settings_.spring[i].tangent(overlap));
   }
   return stiffness;

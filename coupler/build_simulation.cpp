@@ -37,7 +37,7 @@ std::vector<double> node_radii(const fe::ShellMesh& mesh) {
 double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::span<const double> node_radius) {
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < particles.size(); ++i)
-    top = std::max(top, particles.z[i] + particles.radius[i]);
+    top = std::max(top, particles.z[i] + particles.radius_upwards(i));
   for (std::size_t n = 0; n < nodes.z.size(); ++n) top = std::max(top, nodes.z[n] + node_radius[n]);
   constexpr double clearance = 1e-4;
   return top + clearance;
@@ -69,8 +69,7 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
   PointContact result;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[particles.material[i]];
-    const double radius = particles.radius[i];
-    result.stiffness.push_back(penalty_of(scene, effects, material, radius));
+    result.stiffness.push_back(penalty_of(scene, effects, material, particles.mean_radius(i)));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -93,9 +92,10 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
   std::vector<NormalSpring> springs;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
-    const double radius = particles.radius[i];
-    springs.push_back(half_rows ? half_row_spring(material, scene.numerics, radius, soil_effects)
-                                : NormalSpring{penalty_of(scene, effects, material, radius)});
+    springs.push_back(half_rows
+                          ? half_row_spring(material, scene.numerics, particles.radius[i],
+                                            particles.radius_upwards(i), soil_effects)
+                          : NormalSpring{penalty_of(scene, effects, material, particles.mean_radius(i))});
   }
   return springs;
 }
@@ -110,16 +110,16 @@ double sph_contact_stiffness(const Material& material, const Numerics& numerics,
 }
 
 NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                             const sph::SoilEffects& effects) {
+                             double half_height, const sph::SoilEffects& effects) {
   const double area = 4 * radius * radius;
-  if (material.contact_modulus > 0) return {material.contact_modulus * area / radius};
+  if (material.contact_modulus > 0) return {material.contact_modulus * area / half_height};
   const double pressure = numerics.contact_pressure,
                modulus = sph::constrained_modulus(*material.continuum, 0, effects),
                growth =
                    (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
-  NormalSpring spring{modulus * area / radius};
+  NormalSpring spring{modulus * area / half_height};
   if (!(growth > 0)) return spring;
-  spring.stiffening = growth / radius;
+  spring.stiffening = growth / half_height;
   spring.end = std::log1p(growth * pressure / modulus) / spring.stiffening;
   return spring;
 }

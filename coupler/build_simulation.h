@@ -59,12 +59,13 @@ struct BuiltSimulation {
                                                      const ParticleView& particles, bool rigid);
 
 /// What an SPH particle presses bodies with where numerics.body_contact is half_row: the infill between its
-/// centre and its face, half a row of thickness r and area (2 r)^2, compressed elastically under the
-/// contact's stress, dF/dD = M(F/(2r)^2) (2r)^2/r. M, the constrained modulus, is taken as straight from no
-/// pressure to numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M
-/// where given.
+/// centre and its face, half a row of thickness h and area A = (2 r)^2, compressed elastically under the
+/// contact's stress, dF/dD = M(F/A) A/h. M, the constrained modulus, is taken as straight from no pressure to
+/// numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M where given.
+/// radius: r, half the spacing sideways; half_height: h; m. Upright walls have the same spring, though half a
+/// row there is r thick: where rows are not as high as wide, it is (r/h)^2 of what it should be.
 [[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                                           const sph::SoilEffects& effects = {});
+                                           double half_height, const sph::SoilEffects& effects = {});
 
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;

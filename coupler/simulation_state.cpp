@@ -39,7 +39,7 @@ double highest(const ParticleView& points, double x, double y, double reach, boo
     const double r = points.radius[i];
     if (points.is_expelled(i)) continue;
     if (std::hypot(points.x[i] - x, points.y[i] - y) > reach + (with_radius ? r : 0)) continue;
-    top = std::max(top, points.z[i] + r);
+    top = std::max(top, points.z[i] + points.radius_upwards(i));
   }
   return top;
 }

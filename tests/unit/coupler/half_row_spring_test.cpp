@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <numbers>
 #include <span>
 
 #include "core/scene_reader.h"
@@ -21,7 +22,7 @@ TEST(HalfRowSpring, IsAsStiffAsTheInfillBehindItUnderTheSameStress) {
   constexpr double area = 4 * radius * radius;
   for (const Material& material : scene.materials) {
     if (!material.continuum) continue;
-    const NormalSpring spring = half_row_spring(material, scene.numerics, radius);
+    const NormalSpring spring = half_row_spring(material, scene.numerics, radius, radius);
     EXPECT_NEAR(spring.force(spring.end) / area / scene.numerics.contact_pressure, 1, 1e-12) << material.name;
     for (const double share : {0.0, 0.3, 1.0}) {
       const double overlap = share * spring.end, stress = spring.force(overlap) / area;
@@ -31,10 +32,40 @@ TEST(HalfRowSpring, IsAsStiffAsTheInfillBehindItUnderTheSameStress) {
   }
 }
 
+TEST(HalfRowSpring, HasTheThicknessOfItsRowAndTheAreaOfItsColumn) {
+  const Scene scene = turf_scene();
+  const Material& material = scene.materials[static_cast<std::size_t>(scene.turf.layers.back().material)];
+  constexpr double half_height = 1.25 * radius, area = 4 * radius * radius;
+  const NormalSpring spring = half_row_spring(material, scene.numerics, radius, half_height);
+  EXPECT_NEAR(spring.force(spring.end) / area / scene.numerics.contact_pressure, 1, 1e-12);
+  const double modulus = sph::constrained_modulus(*material.continuum, 0);
+  EXPECT_NEAR(spring.tangent(0) / (modulus * area / half_height), 1, 1e-9);
+}
+
+TEST(PointWithAHalfHeight, TouchesFloorAndWallsAtItsHalfAxesAndSlopesBetweenThem) {
+  const double at{0}, sideways{2e-3}, upwards{3e-3};
+  ParticleView view;
+  view.x = view.y = view.z = std::span(&at, 1);
+  view.radius = std::span(&sideways, 1), view.half_height = std::span(&upwards, 1);
+  EXPECT_DOUBLE_EQ(view.radius_along(0, {0, 0, -1}), upwards);
+  EXPECT_DOUBLE_EQ(view.radius_along(0, {0, 1, 0}), sideways);
+  EXPECT_DOUBLE_EQ(view.largest_radius(0), upwards);
+  // Of the planes with this normal the one that an ellipsoid touches lies at the largest n . x on it.
+  const Vec3 normal = Vec3(0.6, 0, 0.8);
+  double farthest = 0;
+  for (int k = 0; k <= 9000; ++k) {
+    const double angle = 1e-4 * std::numbers::pi / 1.8 * k;
+    farthest = std::max(farthest, normal.dot(Vec3(sideways * std::cos(angle), 0, upwards * std::sin(angle))));
+  }
+  EXPECT_NEAR(view.radius_along(0, normal), farthest, 1e-9);
+  view.half_height = {};
+  EXPECT_DOUBLE_EQ(view.radius_along(0, normal), sideways);
+}
+
 TEST(HalfRowSpring, IsLinearWithAContactModulus) {
   Scene scene = turf_scene();
   scene.materials[0].contact_modulus = 5e6;
-  const NormalSpring spring = half_row_spring(scene.materials[0], scene.numerics, radius);
+  const NormalSpring spring = half_row_spring(scene.materials[0], scene.numerics, radius, radius);
   EXPECT_DOUBLE_EQ(spring.stiffness, 5e6 * 4 * radius);
   EXPECT_EQ(spring.stiffening, 0);
 }
