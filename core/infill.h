@@ -64,7 +64,9 @@ struct ParticleView {
   [[nodiscard]] double largest_radius(std::size_t i) const { return std::max(radius[i], radius_upwards(i)); }
   /// Radius of the sphere with the volume of that ellipsoid.
   [[nodiscard]] double mean_radius(std::size_t i) const {
-    return half_height.empty() ? radius[i] : std::cbrt(radius[i] * radius[i] * half_height[i]);
+    return half_height.empty() || half_height[i] == radius[i]
+               ? radius[i]
+               : std::cbrt(radius[i] * radius[i] * half_height[i]);
   }
   [[nodiscard]] std::size_t size() const { return x.size(); }
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
