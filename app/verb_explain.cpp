@@ -6,6 +6,7 @@
 #include "app/text_table.h"
 #include "app/verbs.h"
 #include "rigs/run.h"
+#include "rigs/schedule.h"
 
 namespace tuft::app {
 namespace {
@@ -44,9 +45,12 @@ std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
   add_alone("  fibres alone", plan.fibre_step);
   table.add({"infill", format_quantity(plan.infill_step, "s"),
              format_count(static_cast<std::uint64_t>(plan.infill_substeps))});
-  const Conditioning& c = scene.conditioning;
+  const rigs::Schedule schedule = rigs::make_schedule(scene);
   const std::string before =
-      c.on() ? format_quantity(c.press_time + c.lift_time + c.settle_time, "s") + " of conditioning, " : "";
+      scene.conditioning.on()
+          ? format_quantity(static_cast<double>(schedule.conditioned()) * schedule.interval, "s") +
+                (scene.conditioning.presses > 1 ? " of conditioning at most, " : " of conditioning, ")
+          : "";
   return table.text() + fmt::format("  {} windows: {}{} of settling, then {} of the drop\n",
                                     format_count(plan.windows), before,
                                     format_quantity(scene.numerics.settle_time, "s"),

@@ -180,6 +180,22 @@ void check_tray(Scene& scene, const Places& places) {
                             in_mm(depth)));
 }
 
+/// Studs that reach the backing would tear it.
+void check_roller(const Scene& scene, const Places& places) {
+  const Conditioning& conditioning = scene.conditioning;
+  if (conditioning.method != "roller") return;
+  if (scene.infill.approach == Approach::sph)
+    places.fail("conditioning.method",
+                "\"roller\" is for grains; choose \"compaction\", or infill.approach = \"dem\"");
+  const ConditioningRoller& roller = conditioning.roller;
+  const double reach = conditioning.depth + (roller.studs_around > 0 ? roller.stud_length : 0);
+  if (!(reach < scene.infill_depth()))
+    places.fail("conditioning.depth",
+                fmt::format("studs would reach {} below the surface of an infill of {}; make it or "
+                            "conditioning.roller.stud_length less",
+                            in_mm(reach), in_mm(scene.infill_depth())));
+}
+
 /// Spheres of a regular bed fill pi/6 of their cubes; random packings are no denser than 0.64 (Scott &
 /// Kilgour 1969).
 void check_conditioning(const Scene& scene, const Places& places) {
@@ -189,6 +205,7 @@ void check_conditioning(const Scene& scene, const Places& places) {
   if (!(conditioning.depth < depth))
     places.fail("conditioning.depth",
                 fmt::format("the infill is only {} deep; make it less than that", in_mm(depth)));
+  check_roller(scene, places);
   if (scene.infill.approach != Approach::sph) return;
   constexpr double densest = 0.64, of_lattice = std::numbers::pi / 6;
   const double placed = of_lattice * std::pow(conditioning.sphere_diameter, 3),

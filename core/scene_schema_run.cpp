@@ -10,7 +10,7 @@ constexpr std::string_view presets[] = {"accurate", "fast", "paper", "specimen",
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
 constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension", "oedometer",
                                      "direct_shear"};
-constexpr std::string_view grain_contacts[] = {"hertz", "hooke"};
+constexpr std::string_view grain_contacts[] = {"hertz", "hooke", "hooke_hysteresis"};
 constexpr std::string_view rolling_models[] = {"epsd2", "cdt"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
 constexpr std::string_view strain_bases[] = {"length", "height"};
@@ -43,11 +43,22 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
               dem.coarse_graining, at_least_one);
   keys.numbers_by_name({"material_coarse_graining", "own factor of a grain material, by its name"},
                        dem.material_coarse_graining, at_least_one);
-  keys.enumeration({"contact", "springs of contacts: hertz (stiffen with overlap), hooke (constant)"},
-                   dem.contact, grain_contacts);
+  keys.enumeration(
+      {"contact",
+       "springs of contacts: hertz (stiffen with overlap), hooke (constant), hooke_hysteresis (plastic: "
+       "grains keep dents)"},
+      dem.contact, grain_contacts);
   keys.quantity({"characteristic_velocity",
-                 "hooke: two grains meeting at it overlap as under Hertz's law; 0: the missile's speed"},
+                 "hooke, hooke_hysteresis: two grains meeting at it overlap as under Hertz's law; 0: the "
+                 "missile's speed"},
                 dem.characteristic_velocity, "m/s", non_negative);
+  keys.number(
+      {"unloading_ratio", "hooke_hysteresis: stiffness of unloading and reloading over first loading"},
+      dem.unloading_ratio, {1, unbounded, true, false});
+  keys.number({"plastic_depth", "hooke_hysteresis: deepest dent over twice the effective radius"},
+              dem.plastic_depth, positive);
+  keys.number({"adhesion_ratio", "hooke_hysteresis: stiffness of the pull on parting over first loading"},
+              dem.adhesion_ratio, non_negative);
   keys.enumeration(
       {"rolling", "effect rolling_resistance: epsd2 (elastic-plastic spring), cdt (constant torque)"},
       dem.rolling, rolling_models);

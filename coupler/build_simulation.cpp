@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "coupler/conditioned_infill.h"
+#include "coupler/roller.h"
 #include "coupler/settled_packing.h"
 #include "fe_carpet/mesh_import.h"
 
@@ -211,7 +212,12 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   const ParticleView particles = parts.infill->particles();
   if (scene.conditioning.on()) {
     built.plate = parts.bodies.size();
-    parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+    if (scene.conditioning.method == "roller") {
+      const std::vector<RigidBody> roller = Roller(scene).bodies();
+      parts.bodies.insert(parts.bodies.end(), roller.begin(), roller.end());
+    } else {
+      parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+    }
   }
   const PointContact contact = particle_contact(scene, request.effects, particles);
   parts.particle_shell.stiffness = contact.stiffness;

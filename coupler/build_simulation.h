@@ -35,7 +35,7 @@ struct BuiltSimulation {
   const dem::DemInfill* dem = nullptr;   ///< the simulation's infill when it is DEM
   sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
-  std::size_t plate = 0;  ///< body of conditioning, behind the rig's; 0: the scene has none
+  std::size_t plate = 0;  ///< first body of conditioning, behind the rig's; 0: the scene has none
   double packing_seconds = 0;
   bool packing_from_cache = false;
 };

@@ -32,7 +32,17 @@ struct Block {
   Vec3 half{0, 0, 0};  ///< m, half its edges
 };
 
-using Shape = std::variant<HalfSpace, Cylinder, Bore, Block>;
+/// Endless cylinder lying along y, about the axis through the body's position.
+struct LyingCylinder {
+  double radius = 0;  ///< m
+};
+
+/// Ball about the body's position.
+struct Ball {
+  double radius = 0;  ///< m
+};
+
+using Shape = std::variant<HalfSpace, Cylinder, Bore, Block, LyingCylinder, Ball>;
 
 struct SurfacePoint {
   double distance = 0;   ///< m, negative inside
@@ -44,6 +54,8 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Bore& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Block& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const LyingCylinder& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const Ball& shape, const Vec3& relative);
 
 struct RigidBody {
   std::string name;
