@@ -386,8 +386,9 @@ enum class ShearStrainBasis { length, height };
 
 /// Tests of infill alone between rigid walls, a fresh specimen for each load of a list: `oedometer`
 /// (one-dimensional compression in a ring, loaded and unloaded in cycles at constant speed of the upper
-/// plate) and `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
-/// load).
+/// plate), `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
+/// load) and `pull_out` (a strand of the carpet drawn out of a box between two platens that were pressed
+/// together).
 struct SpecimenRig {
   Index material = 0;         ///< index into Scene::materials
   double height = 0;          ///< m; 0: 12.7 mm in the ring, 19.5 mm in the box
@@ -409,18 +410,28 @@ struct SpecimenRig {
   double platen_friction = 1;  ///< of the infill on the plates above and below
   double yield_strain = 0.12;  ///< shear strain at which the yield is read
   ShearStrainBasis strain_basis = ShearStrainBasis::length;
+
+  std::vector<double> speeds{1e-3, 10e-3};  ///< m/s, of the grip that draws the strand, a test each
+  double run_speed = 0;  ///< m/s, at which tests are run, friction being that of `speeds`; 0: each at its own
+  double normal_stress = 100e3;  ///< Pa, to which the platens are pressed together, and then held
+  double embedded_length = 0;    ///< m, of the strand, from its free end; 0: it passes through the whole box
+  double travel = 5e-3;          ///< m, of the grip, at which a test ends
 };
 
 struct Rig {
   std::string type = "clegg";
   CleggRig clegg;
   TensionRig tension;    ///< of the types strand_tension and backing_tension
-  SpecimenRig specimen;  ///< of the types oedometer and direct_shear
+  SpecimenRig specimen;  ///< of the types oedometer, direct_shear and pull_out
 
   /// A rig that tests the carpet's material alone: no patch, no infill, no settling.
   [[nodiscard]] bool is_component() const { return type == "strand_tension" || type == "backing_tension"; }
-  /// A rig that tests infill alone: no carpet, no patch, no settling.
-  [[nodiscard]] bool is_specimen() const { return type == "oedometer" || type == "direct_shear"; }
+  /// A rig that tests infill between rigid walls: no carpet but one strand where has_strand(), no patch, no
+  /// settling.
+  [[nodiscard]] bool is_specimen() const {
+    return type == "oedometer" || type == "direct_shear" || has_strand();
+  }
+  [[nodiscard]] bool has_strand() const { return type == "pull_out"; }
 };
 
 enum class Switch { off, on, automatic };

@@ -335,7 +335,8 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
       inside.quantity(required("duration", "time to simulate from the release of the rig"),
                       scene.info.duration, "s", positive);
   });
-  if (kind != RigKind::specimen)
+  const bool strand = kind == RigKind::specimen && scene.rig.has_strand();
+  if (kind != RigKind::specimen || strand)
     keys.table({"turf", "carpet, patch and layers"}, [&](KeyVisitor& inside) {
       inside.text({"design", "a file of turfs/; or give [turf.carpet]"}, scene.turf.design);
       if (turf) {
@@ -360,9 +361,9 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
                [&](KeyVisitor& inside) { describe_effects(inside, scene.effects); });
   keys.table({"numerics", "steps and limits"},
              [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics, kind); });
-  if (turf)
+  if (turf || strand)
     keys.table({"output", "what is recorded"},
-               [&](KeyVisitor& inside) { describe_output(inside, scene.output); });
+               [&](KeyVisitor& inside) { describe_output(inside, scene.output, kind); });
 }
 
 }  // namespace tuft::schema

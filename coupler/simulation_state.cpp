@@ -100,7 +100,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.expelled = infill.expelled;
   terms.conditioning = infill.let_go;
   // Between the parts contact is no work from outside; what it has released is.
-  terms.external_work = external_work_ + contact.released;
+  terms.external_work = external_work_ + contact.released + parts_.carpet->grips().work;
   return terms;
 }
 

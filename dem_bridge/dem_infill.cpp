@@ -121,6 +121,7 @@ struct DemInfill::Impl {
   }
 
   void send_impulses(const ContactImpulses& contact);
+  void check_speeds(double step);
   void read_expelled();
   [[nodiscard]] double kinetic_of_view();
   [[nodiscard]] double gravity_potential();
@@ -149,6 +150,23 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
       if (!std::isfinite(from[i]))
         throw_run_error("DEM infill at t = {:.9g} s: the {} contact impulse of grain {} is {}", time,
                         c < 3 ? "linear" : "angular", i, from[i]);
+  }
+}
+
+/// A grain that moves on by more than its radius in a step can pass through what it should meet, unseen by
+/// LIGGGHTS.
+void DemInfill::Impl::check_speeds(double step) {
+  const auto vx = array(SharedArrays::velocity_x), vy = array(SharedArrays::velocity_y),
+             vz = array(SharedArrays::velocity_z);
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const double square = vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i], most = grains.radius[i] / step;
+    if (square <= most * most) continue;
+    if (!expelled_mask.empty() && expelled_mask[i] != 0) continue;
+    throw_run_error(
+        "DEM infill at t = {:.9g} s: grain {} of {:.3g} mm radius is {:.3g} m/s fast and moves {:.3g} mm in "
+        "a step of "
+        "{:.3g} us, past what it should touch; lower numerics.step_safety, or see what shot it out",
+        time, i, 1e3 * grains.radius[i], std::sqrt(square), 1e3 * step * std::sqrt(square), 1e6 * step);
   }
 }
 
@@ -248,6 +266,7 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   my.stored_is_current = std::exchange(my.energy_wanted, false);
   my.time += window;
   my.steps += static_cast<std::uint64_t>(substeps);
+  my.check_speeds(shared.step);
   my.waiting += shared.run_seconds;
   my.exchanging += std::chrono::duration<double>(Clock::now() - begin).count() - shared.run_seconds;
   AdvanceReport report;
