@@ -26,7 +26,8 @@ bool any_stiffens(const std::vector<NormalSpring>& springs) {
 }  // namespace
 
 BodyContact::BodyContact(BodyContactSettings settings)
-    : settings_(std::move(settings)), stiffens_(any_stiffens(settings_.spring)) {}
+    : settings_(std::move(settings)),
+      stiffens_(any_stiffens(settings_.spring) || any_stiffens(settings_.wall_spring)) {}
 
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
@@ -45,8 +46,9 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
   if (!searched_ && keep_overlap) {
     for (std::size_t g = 0; g < keys_.size(); ++g) {
       const Index i = key_point(keys_[g]);
-      const double overlap = overlap_of(i, bodies[key_other(keys_[g])], points);
-      histories_[g].offset = std::sqrt(settings_.spring[i].stiffness) * std::max(0.0, overlap);
+      const RigidBody& body = bodies[key_other(keys_[g])];
+      const double overlap = overlap_of(i, body, points);
+      histories_[g].offset = std::sqrt(spring_of(i, body).stiffness) * std::max(0.0, overlap);
       // Rounding of a lattice against a wall is not an overlap.
       if (overlap > 1e-9 * points.radius[i]) ++initial_overlap_.pairs;
       initial_overlap_.largest = std::max(initial_overlap_.largest, overlap);
@@ -62,7 +64,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactHistory& history = histories_[pair];
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
-  const ContactParameters parameters{settings_.spring[i], settings_.damping_ratio[i], tangential_ratio,
+  const ContactParameters parameters{spring_of(i, body), settings_.damping_ratio[i], tangential_ratio,
                                      body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
@@ -148,7 +150,7 @@ void BodyContact::let_go(Index body, const ParticleView& points, const std::vect
     if (key_other(keys_[g]) != body) continue;
     const Index i = key_point(keys_[g]);
     ContactHistory& history = histories_[g];
-    const NormalSpring& spring = settings_.spring[i];
+    const NormalSpring& spring = spring_of(i, bodies[static_cast<std::size_t>(body)]);
     const double overlap = overlap_of(i, bodies[static_cast<std::size_t>(body)], points) -
                            history.offset / std::sqrt(spring.stiffness) * release;
     if (overlap > 0) energy_.damped += spring.energy(overlap);
@@ -162,13 +164,14 @@ void BodyContact::replace_springs(std::vector<NormalSpring> springs, const Parti
     const Index i = key_point(keys_[g]);
     const RigidBody& body = bodies[static_cast<std::size_t>(key_other(keys_[g]))];
     ContactHistory& history = histories_[g];
-    const NormalSpring &old = settings_.spring[i], &now = springs[i];
+    const NormalSpring &old = spring_of(i, body), &now = springs[i];
     const double offset = history.offset / std::sqrt(old.stiffness);
     const double overlap = overlap_of(i, body, points) - offset * release;
     if (overlap > 0) energy_.damped += old.energy(overlap) - now.energy(overlap);
     history.offset = offset * std::sqrt(now.stiffness);
   }
   settings_.spring = std::move(springs);
+  settings_.wall_spring.clear();
   stiffens_ = any_stiffens(settings_.spring);
 }
 
@@ -177,9 +180,12 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
                                                   double horizon) const {
   std::vector<double> stiffness(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const NormalSpring& spring = settings_.spring[i];
     // Nothing but the pairs says how far a spring that stiffens is pressed in.
-    stiffness[i] = !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+    const auto most = [this](const NormalSpring& spring) {
+      return !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+    };
+    stiffness[i] = most(settings_.spring[i]);
+    if (!settings_.wall_spring.empty()) stiffness[i] = std::max(stiffness[i], most(settings_.wall_spring[i]));
   }
   if (!stiffens_) return stiffness;
   for (const PairKey key : keys_) {
@@ -189,7 +195,7 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
     const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
     const double overlap = points.radius_along(static_cast<std::size_t>(i), surface.normal) -
                            surface.distance + horizon * std::max(0.0, closing);
-    if (overlap > 0) stiffness[i] = std::max(stiffness[i], settings_.spring[i].tangent(overlap));
+    if (overlap > 0) stiffness[i] = std::max(stiffness[i], spring_of(i, body).tangent(overlap));
   }
   return stiffness;
 }

@@ -93,10 +93,26 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
   std::vector<NormalSpring> springs;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
+    const double width = 2 * particles.radius[i], height = particles.radius_upwards(i);
     springs.push_back(half_rows
-                          ? half_row_spring(material, scene.numerics, particles.radius[i],
-                                            particles.radius_upwards(i), soil_effects)
+                          ? half_row_spring(material, scene.numerics, width * width, height, soil_effects)
                           : NormalSpring{penalty_of(scene, effects, material, particles.mean_radius(i))});
+  }
+  return springs;
+}
+
+std::vector<NormalSpring> wall_springs(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                       const ParticleView& particles) {
+  std::vector<NormalSpring> springs;
+  if (scene.numerics.body_contact != BodyContactKind::half_row ||
+      std::ranges::equal(particles.half_height, particles.radius) || particles.half_height.empty())
+    return springs;
+  const sph::SoilEffects soil_effects = sph::soil_effects_of(effects);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
+    springs.push_back(half_row_spring(material, scene.numerics,
+                                      4 * particles.radius[i] * particles.half_height[i], particles.radius[i],
+                                      soil_effects));
   }
   return springs;
 }
@@ -110,17 +126,16 @@ double sph_contact_stiffness(const Material& material, const Numerics& numerics,
   return numerics.contact_stiffness_factor * modulus * 2 * radius;
 }
 
-NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                             double half_height, const sph::SoilEffects& effects) {
-  const double area = 4 * radius * radius;
-  if (material.contact_modulus > 0) return {material.contact_modulus * area / half_height};
+NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double area,
+                             double thickness, const sph::SoilEffects& effects) {
+  if (material.contact_modulus > 0) return {material.contact_modulus * area / thickness};
   const double pressure = numerics.contact_pressure,
                modulus = sph::constrained_modulus(*material.continuum, 0, effects),
                growth =
                    (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
-  NormalSpring spring{modulus * area / half_height};
+  NormalSpring spring{modulus * area / thickness};
   if (!(growth > 0)) return spring;
-  spring.stiffening = growth / half_height;
+  spring.stiffening = growth / thickness;
   spring.end = std::log1p(growth * pressure / modulus) / spring.stiffening;
   return spring;
 }
@@ -224,7 +239,8 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
   parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
-                         contact.damping_ratio, contact.body_friction};
+                         contact.damping_ratio, contact.body_friction,
+                         wall_springs(scene, request.effects, particles)};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)

@@ -58,14 +58,18 @@ struct BuiltSimulation {
                                                      const std::vector<EffectDecision>& effects,
                                                      const ParticleView& particles, bool rigid);
 
+/// The same at upright walls, where half rows are as thick as particles are wide; empty where they are the
+/// same.
+[[nodiscard]] std::vector<NormalSpring> wall_springs(const Scene& scene,
+                                                     const std::vector<EffectDecision>& effects,
+                                                     const ParticleView& particles);
+
 /// What an SPH particle presses bodies with where numerics.body_contact is half_row: the infill between its
-/// centre and its face, half a row of thickness h and area A = (2 r)^2, compressed elastically under the
+/// centre and its face, half a row of thickness h (m) and area A (m^2), compressed elastically under the
 /// contact's stress, dF/dD = M(F/A) A/h. M, the constrained modulus, is taken as straight from no pressure to
 /// numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M where given.
-/// radius: r, half the spacing sideways; half_height: h; m. Upright walls have the same spring, though half a
-/// row there is r thick: where rows are not as high as wide, it is (r/h)^2 of what it should be.
-[[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                                           double half_height, const sph::SoilEffects& effects = {});
+[[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double area,
+                                           double thickness, const sph::SoilEffects& effects = {});
 
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;

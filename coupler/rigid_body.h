@@ -74,6 +74,11 @@ struct RigidBody {
   /// Nothing that contact does moves it.
   [[nodiscard]] bool is_fixed() const { return !(mass < std::numeric_limits<double>::infinity()); }
   [[nodiscard]] bool can_move() const { return driven || !is_fixed(); }
+  /// Normals lie in the plane of the turf everywhere: a tray's wall, a ring.
+  [[nodiscard]] bool is_upright_wall() const {
+    const auto* plane = std::get_if<HalfSpace>(&shape);
+    return plane != nullptr ? plane->normal.z() == 0 : std::holds_alternative<Bore>(shape);
+  }
   [[nodiscard]] double inverse_mass() const { return is_fixed() ? 0.0 : 1.0 / mass; }
 };
 
