@@ -204,14 +204,13 @@ bool PullOut::done() const {
 }
 
 double PullOut::share_done() const {
-  const double drawn = displacement_ / rig_.travel;
-  const double rows_drawing = rig_.travel / rig_.sample_travel,
-               rows_pressing = 2 * static_cast<double>(held_rows());
-  const double before =
-      rows_[test_].empty() ? 0
-      : pressed_ ? 0.5 + 0.5 * std::min(1.0, static_cast<double>(held_) / static_cast<double>(held_rows()))
-                 : 0.5 * std::clamp(rows_[test_].back().normal_stress / rig_.normal_stress, 0.0, 1.0);
-  return std::min(1.0, (rows_drawing * drawn + rows_pressing * before) / (rows_drawing + rows_pressing));
+  constexpr double pressing_over_held = 3;  // in rows: gathering speed and slowing down before the stress
+  const auto held_in_all = static_cast<double>(held_rows());
+  const double to_press = pressing_over_held * held_in_all, to_draw = rig_.travel / rig_.sample_travel;
+  const double rows_done = pressed_ ? to_press + std::min(static_cast<double>(held_), held_in_all) +
+                                          to_draw * displacement_ / rig_.travel
+                                    : std::min(to_press, static_cast<double>(rows_[test_].size()));
+  return std::min(1.0, rows_done / (to_press + held_in_all + to_draw));
 }
 
 std::string PullOut::stage() const {

@@ -44,7 +44,10 @@ class StripPullOut : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(StripPullOut, TakesFrictionTimesWhatPressesOnBothFaces) {
   const bool grains = std::string(GetParam()) == "dem";
-  const Scene scene = strip_through_box(GetParam(), constant);
+  // Facets are a little rough to grains (docs/theory/contact.md): the mean is over the length of one.
+  const Scene scene = strip_through_box(
+      GetParam(), constant,
+      {{"turf.carpet.element_length", grains ? "2.5 mm" : "4 mm"}, {"rig.travel", grains ? "5 mm" : "2 mm"}});
   PullOut rig(scene);
   EXPECT_LT(test::run_test(scene, rig, 0), 0.01);
   const PullResults r = evaluate_pull(rig.rows(0), rig.strip(0));
@@ -56,9 +59,17 @@ TEST_P(StripPullOut, TakesFrictionTimesWhatPressesOnBothFaces) {
     EXPECT_NEAR(*r.over_platens, 0.37, 0.05);
 }
 
-TEST_P(StripPullOut, ForceRisesWithTheFrictionOfItsSpeedAndNotWithTheSpeedItIsRunAt) {
+TEST_P(StripPullOut, ResumedGivesTheSameBits) {
+  const Scene scene = strip_through_box(GetParam(), constant, {{"rig.travel", "1 mm"}});
+  EXPECT_GT(test::expect_resumed_bits(scene, 2, "force"), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Approaches, StripPullOut, ::testing::Values("sph", "dem"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(StripPullOutOfAContinuum, ForceRisesWithTheFrictionOfItsSpeedAndNotWithTheSpeedItIsRunAt) {
   const Scene scene = strip_through_box(
-      GetParam(), rising, {{"rig.speeds", "[\"1 mm/s\", \"10 mm/s\"]"}, {"rig.travel", "1.2 mm"}});
+      "sph", rising, {{"rig.speeds", "[\"1 mm/s\", \"10 mm/s\"]"}, {"rig.travel", "1.2 mm"}});
   PullOut rig(scene);
   EXPECT_NEAR(rig.strip(0).friction, 0.15 - 0.04 * std::exp(-0.3), 1e-12);
   double force[2];
@@ -70,14 +81,6 @@ TEST_P(StripPullOut, ForceRisesWithTheFrictionOfItsSpeedAndNotWithTheSpeedItIsRu
   const double expected = rig.strip(1).friction / rig.strip(0).friction;  // 1.233
   EXPECT_NEAR(force[1] / force[0], expected, 0.05 * expected);
 }
-
-TEST_P(StripPullOut, ResumedGivesTheSameBits) {
-  const Scene scene = strip_through_box(GetParam(), constant, {{"rig.travel", "1 mm"}});
-  EXPECT_GT(test::expect_resumed_bits(scene, 2, "force"), 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(Approaches, StripPullOut, ::testing::Values("sph", "dem"),
-                         [](const auto& test) { return std::string(test.param); });
 
 TEST(PullOutResults, AreThoseOfTheRows) {
   // 2 mu w L sigma with L falling from 25 to 21 mm, a peak of 12 N at 0.5 mm.
