@@ -17,7 +17,7 @@ packages=(
   libhdf5-dev                                        # results
   libzmq3-dev cppzmq-dev                             # the wire to the DEM host
   libnlopt-cxx-dev                                   # calibration
-  libliggghts-dev libopenmpi-dev                     # the DEM host
+  libliggghts-dev libopenmpi-dev openmpi-bin         # the DEM host, and its ranks
   libgtest-dev libgmock-dev libbenchmark-dev                  # tests and benchmarks
 )
 

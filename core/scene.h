@@ -294,6 +294,8 @@ struct DemOptions {
   RollingModel rolling = RollingModel::epsd2;
   std::vector<GrainPair> pairs;
   std::string host;             ///< path of liggghts_host; empty: beside the program
+  int ranks = 1;                ///< MPI processes of the host, >= 1, on this machine
+  double overlap_limit = 0;     ///< of two grains, over the smaller radius, beyond which a run stops; 0: none
   double answer_timeout = 30;   ///< s without an answer until the host counts as hung
   double settle_time = 0.0105;  ///< s of packing dynamics, after the geometric packing
   bool use_cache = true;

@@ -63,7 +63,14 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
   keys.enumeration(
       {"rolling", "effect rolling_resistance: epsd2 (elastic-plastic spring), cdt (constant torque)"},
       dem.rolling, rolling_models);
-  keys.text({"host", "path of liggghts_host; empty: beside the program"}, dem.host);
+  keys.text(
+      {"host", "path of liggghts_host; tcp://machine:port of one that listens; empty: beside the program"},
+      dem.host);
+  keys.integer({"ranks", "MPI processes of liggghts_host on this machine"}, dem.ranks, Range{1, 256});
+  keys.number({"overlap_limit",
+               "of two grains over the smaller radius, looked at with each history row: beyond it the run "
+               "stops; 0: none"},
+              dem.overlap_limit, non_negative);
   keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
                 dem.answer_timeout, "s", positive);
   keys.quantity({"settle_time", "packing dynamics after the geometric packing"}, dem.settle_time, "s",

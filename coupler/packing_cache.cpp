@@ -26,6 +26,8 @@ std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& e
   bare.infill.sph.smoothing_length = 1;
   bare.infill.approach = Approach::dem;
   bare.infill.dem.host.clear();
+  bare.infill.dem.ranks = DemOptions{}.ranks;
+  bare.infill.dem.overlap_limit = DemOptions{}.overlap_limit;
   bare.infill.dem.use_cache = true;
   bare.infill.dem.answer_timeout = DemOptions{}.answer_timeout;
   const Numerics defaults;

@@ -1,6 +1,9 @@
 #include "dem_bridge/dem_contacts.h"
 
+#include <algorithm>
 #include <cstring>
+#include <tuple>
+#include <vector>
 
 #include "core/error.h"
 #include "dem_bridge/protocol.h"
@@ -11,11 +14,19 @@ ContactNetwork read_contacts(const std::string& bytes, const ParticleView& grain
   if (bytes.size() % sizeof(ContactRecord) != 0)
     throw_run_error("DEM infill: {} bytes of contacts from liggghts_host, no multiple of {}", bytes.size(),
                     sizeof(ContactRecord));
+  std::vector<ContactRecord> records(bytes.size() / sizeof(ContactRecord));
+  if (!records.empty()) std::memcpy(records.data(), bytes.data(), bytes.size());
+  // Each rank has sorted its own.
+  std::sort(records.begin(), records.end(), [](const ContactRecord& a, const ContactRecord& b) {
+    return std::tie(a.first, a.second) < std::tie(b.first, b.second);
+  });
+  const auto twice = std::ranges::unique(records, [](const ContactRecord& a, const ContactRecord& b) {
+    return a.first == b.first && a.second == b.second;  // told by both ranks
+  });
+  records.erase(twice.begin(), twice.end());
   ContactNetwork network;
   const auto count = static_cast<Index>(grains.size());
-  for (std::size_t at = 0; at < bytes.size(); at += sizeof(ContactRecord)) {
-    ContactRecord record;
-    std::memcpy(&record, bytes.data() + at, sizeof(record));
+  for (const ContactRecord& record : records) {
     if (record.first < 0 || record.first >= record.second || record.second >= count)
       throw_run_error("DEM infill: liggghts_host sent a contact of grains {} and {}; there are {}",
                       record.first, record.second, count);

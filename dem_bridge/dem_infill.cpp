@@ -4,153 +4,99 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
-#include "core/error.h"
 #include "dem_bridge/dem_contacts.h"
+#include "dem_bridge/dem_infill_impl.h"
 #include "dem_bridge/grain_contact.h"
-#include "dem_bridge/host_link.h"
-#include "dem_bridge/liggghts_script.h"
+#include "dem_bridge/hertz.h"
 
 namespace tuft::dem {
-namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream || bytes.empty()) throw_run_error("liggghts_host left no restart file {}", file.string());
-  return bytes;
+DemInfill::Impl::Impl(const Grains& given, const std::vector<Material>& given_materials,
+                      const DemSettings& given_settings)
+    : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
+  const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
+  sizes = {grains.size(), *smallest, *largest};
+  stable_step = rayleigh_time = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const GrainMaterial& grain = *materials[static_cast<std::size_t>(grains.material[i])].grain;
+    rayleigh_time = std::min(rayleigh_time, stable_grain_step(grains.radius[i], grains.density[i],
+                                                              grain.young_modulus, grain.poisson_ratio) /
+                                                stable_rayleigh_share);
+    stable_step =
+        std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
+                                                   used, materials, settings.options));
+  }
+  overlap_largest.assign(used.size() * (used.size() + 1) / 2, 0);
 }
 
-void write_bytes(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) throw_run_error("{} cannot be written; free space in the temporary folder", file.string());
+void DemInfill::Impl::new_host() {
+  host.reset();
+  host = std::make_unique<HostLink>(settings.options, grains.size());
+  loaded.assign(grains.size(), 1);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto axis = static_cast<Eigen::Index>(c);
+    shared().gravity[c] = settings.gravity[axis];
+    shared().box_low[c] = settings.box[0][axis];
+    shared().box_high[c] = settings.box[1][axis];
+  }
 }
 
-}  // namespace
+void DemInfill::Impl::set_up(const std::string& source_command) {
+  ask(Request::commands, set_up_commands(source_command, used, materials, settings, sizes, stable_step));
+  check_count();
+}
 
-struct DemInfill::Impl {
-  Grains grains;
-  std::vector<Material> materials;
-  DemSettings settings;
-  std::vector<Index> used;
-  double stable_step = 0;
-  GrainSizes sizes;
-
-  std::unique_ptr<HostLink> host;
-  bool started = false;
-  bool energy_wanted = false;      // of the coming window
-  bool stored_is_current = false;  // the host has stored energy at the last kick
-  double time = 0;                 // s, end of the last window
-  double damping = 0;              // 1/s
-  double initial_stored = 0;
-  double missing =
-      0;  // J, energy that left the motion of the grains and is not stored, at the last `energy()`
-  double dissipated = 0;    // J, sum of all increases of `missing`
-  std::uint64_t steps = 0;  // substeps so far
-  double waiting = 0, exchanging = 0;
-  std::vector<std::uint8_t> expelled_mask;  // as ParticleView has it
-
-  Impl(const Grains& given, const std::vector<Material>& given_materials, const DemSettings& given_settings)
-      : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
-    const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
-    sizes = {grains.size(), *smallest, *largest};
-    stable_step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < grains.size(); ++i)
-      stable_step =
-          std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
-                                                     used, materials, settings.options));
-  }
-
-  [[nodiscard]] SharedState& shared() { return host->memory().state(); }
-  [[nodiscard]] std::span<double> array(std::size_t name) { return host->memory().array(name); }
-  std::string ask(Request request, std::string_view text = {}) {
-    return host->ask(request, text, fmt::format("DEM infill at t = {:.9g} s", time));
-  }
-
-  /// A host of its own for each life: LIGGGHTS cannot be emptied and filled again safely.
-  void start_host(const std::string& source_command, const std::filesystem::path& source_name) {
-    const std::string source = source_command + " " + (host->folder() / source_name).string();
-    ask(Request::commands, set_up_commands(source, used, materials, settings, sizes, stable_step));
-  }
-  void tell_surroundings() {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto axis = static_cast<Eigen::Index>(c);
-      shared().gravity[c] = settings.gravity[axis];
-      shared().box_low[c] = settings.box[0][axis];
-      shared().box_high[c] = settings.box[1][axis];
-    }
-  }
-  void start_fresh() {
-    host = std::make_unique<HostLink>(settings.options.host, grains.size(), settings.options.answer_timeout);
-    const std::array<const std::vector<double>*, 3> position{&grains.position.x, &grains.position.y,
-                                                             &grains.position.z};
-    for (std::size_t c = 0; c < 3; ++c)
-      std::copy(position[c]->begin(), position[c]->end(), array(SharedArrays::position_x + c).begin());
-    tell_surroundings();
-    write_data_file(host->folder() / "grains.data", grains, used, host_domain(settings));
-    start_host("read_data", "grains.data");
-    ask(Request::energy);
-    initial_stored = shared().stored_energy;
-  }
-
-  void write_vectors(h5::Group& group, const char* name, std::size_t first) {
-    std::vector<double> values;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto component = array(first + c);
-      values.insert(values.end(), component.begin(), component.end());
-    }
-    group.write(name, values, {3, grains.size()});
-  }
-  void read_vectors(const h5::Group& group, const char* name, std::size_t first) {
-    const std::vector<double> values = group.read_doubles(name);
-    if (values.size() != 3 * grains.size())
-      throw_input_error("checkpoint: {} holds {} values for {} grains: it is of another scene, or damaged",
-                        name, values.size(), grains.size());
-    for (std::size_t c = 0; c < 3; ++c)
-      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(c * grains.size()), grains.size(),
-                  array(first + c).begin());
-  }
-
-  void send_impulses(const ContactImpulses& contact);
-  void check_speeds(double step);
-  void read_expelled();
-  [[nodiscard]] double kinetic_of_view();
-  [[nodiscard]] double gravity_potential();
-};
+void DemInfill::Impl::start_fresh() {
+  new_host();
+  const std::array<const std::vector<double>*, 3> position{&grains.position.x, &grains.position.y,
+                                                           &grains.position.z};
+  for (std::size_t c = 0; c < 3; ++c)
+    std::copy(position[c]->begin(), position[c]->end(), array(SharedArrays::position_x + c).begin());
+  host->write_file("grains.data", data_file(grains, used, host_domain(settings)));
+  set_up("read_data grains.data");
+  ask_stored();
+  initial_stored = sums.stored;
+}
 
 /// Copies the impulses into the shared memory and refuses what is not finite: LIGGGHTS would carry it on in
-/// silence.
+/// silence. Grains that nothing touches, and nothing touched in the window before, have a record of zeros
+/// already: most of a bed, whose records then stay in the host's caches.
 void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
   const std::size_t count = grains.size();
   const std::array<const std::vector<double>*, 6> components{&contact.linear.x,  &contact.linear.y,
                                                              &contact.linear.z,  &contact.angular.x,
                                                              &contact.angular.y, &contact.angular.z};
-  for (std::size_t c = 0; c < components.size(); ++c) {
-    const std::vector<double>& from = *components[c];
-    if (from.size() != count)
-      throw_run_error("DEM infill at t = {:.9g} s: {} contact impulses for {} grains", time, from.size(),
-                      count);
-    const auto to = array(SharedArrays::linear_x + c);
-    double poison = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      to[i] = from[i];
-      poison += from[i] - from[i];
+  for (const std::vector<double>* component : components)
+    if (component->size() != count)
+      throw_run_error("DEM infill at t = {:.9g} s: {} contact impulses for {} grains", time,
+                      component->size(), count);
+  const double *const x = contact.linear.x.data(), *const y = contact.linear.y.data(),
+                      *const z = contact.linear.z.data(), *const ax = contact.angular.x.data(),
+                      *const ay = contact.angular.y.data(), *const az = contact.angular.z.data();
+  GrainLoadRecord* const loads = memory().loads().data();
+  double poison = 0;  // 0, or not a number for what is not finite
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool touched = (x[i] != 0) | (y[i] != 0) | (z[i] != 0) | (ax[i] != 0) | (ay[i] != 0) | (az[i] != 0);
+    if (touched | (loaded[i] != 0)) {
+      loads[i].linear = {x[i], y[i], z[i]};
+      loads[i].angular = {ax[i], ay[i], az[i]};
     }
-    if (poison == 0) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      if (!std::isfinite(from[i]))
-        throw_run_error("DEM infill at t = {:.9g} s: the {} contact impulse of grain {} is {}", time,
-                        c < 3 ? "linear" : "angular", i, from[i]);
+    loaded[i] = touched;
+    poison += (x[i] - x[i]) + (y[i] - y[i]) + (z[i] - z[i]);
+    poison += (ax[i] - ax[i]) + (ay[i] - ay[i]) + (az[i] - az[i]);
   }
+  if (poison == 0) return;
+  for (std::size_t c = 0; c < components.size(); ++c)
+    for (std::size_t i = 0; i < count; ++i)
+      if (!std::isfinite((*components[c])[i]))
+        throw_run_error("DEM infill at t = {:.9g} s: the {} contact impulse of grain {} is {}", time,
+                        c < 3 ? "linear" : "angular", i, (*components[c])[i]);
 }
 
 /// A grain that moves on by more than its radius in a step can pass through what it should meet, unseen by
@@ -170,37 +116,53 @@ void DemInfill::Impl::check_speeds(double step) {
   }
 }
 
-void DemInfill::Impl::read_expelled() {
-  if (shared().expelled == 0) return;
-  const auto flags = array(SharedArrays::expelled);
-  expelled_mask.assign(flags.begin(), flags.end());
+void DemInfill::Impl::take_report(AdvanceReport& report) {
+  HostSums& s = sums;
+  s.kinetic = s.last_pair_work = s.last_contact_work = s.last_damping_work = 0;
+  double pair_work = 0, contact_work = 0, damping_work = 0, run_seconds = 0;
+  const std::uint64_t gone = expelled.grains;
+  for (std::size_t r = 0; r < memory().ranks(); ++r) {
+    const RankState& rank = memory().rank(r);
+    report.impulse_received += Vec3(rank.impulse_received.data());
+    report.impulse_scale += Vec3(rank.impulse_scale.data());
+    pair_work += rank.pair_work;
+    contact_work += rank.contact_work;
+    damping_work += rank.damping_work;
+    s.last_pair_work += rank.last_pair_work;
+    s.last_contact_work += rank.last_contact_work;
+    s.last_damping_work += rank.last_damping_work;
+    s.kinetic += rank.kinetic;
+    run_seconds = std::max(run_seconds, rank.run_seconds);
+    expelled.grains += rank.expelled;
+    expelled.mass += rank.expelled_mass;
+    for (std::size_t c = 0; c < 3; ++c) expelled.momentum[c] += rank.expelled_momentum[c];
+    expelled.pending += rank.expelled_energy;
+  }
+  s.pair_work += pair_work;
+  s.contact_work += contact_work;
+  s.damping_work += damping_work;
+  waiting += run_seconds;
+  exchanging -= run_seconds;
+  if (expelled.grains == gone) return;
+  shared().expelled = expelled.grains;
+  read_expelled();
 }
 
-double DemInfill::Impl::kinetic_of_view() {
-  double sum = 0;
-  const auto mass = array(SharedArrays::mass);
-  for (std::size_t i = 0; i < grains.size(); ++i) {
-    double speed = 0, spin = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      speed += array(SharedArrays::velocity_x + c)[i] * array(SharedArrays::velocity_x + c)[i];
-      spin += array(SharedArrays::spin_x + c)[i] * array(SharedArrays::spin_x + c)[i];
-    }
-    sum += 0.5 * mass[i] * (speed + 0.4 * grains.radius[i] * grains.radius[i] * spin);
-  }
-  return sum;
-}
-
-/// At the last kick: positions one step back along the velocity they have moved with since.
-double DemInfill::Impl::gravity_potential() {
-  const double back = started ? shared().step : 0;
-  const auto mass = array(SharedArrays::mass);
-  double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto x = array(SharedArrays::position_x + c), v = array(SharedArrays::velocity_x + c);
-    const double g = settings.gravity[static_cast<Eigen::Index>(c)];
-    for (std::size_t i = 0; i < grains.size(); ++i) sum -= mass[i] * g * (x[i] - back * v[i]);
-  }
-  return sum;
+void DemInfill::Impl::check_count() {
+  std::uint64_t present = 0;
+  for (std::size_t r = 0; r < memory().ranks(); ++r) present += memory().rank(r).grains;
+  if (present == grains.size()) return;
+  const auto marks = array(SharedArrays::coordination);
+  std::fill(marks.begin(), marks.end(), 0.0);
+  ask(Request::census);
+  const auto lost = static_cast<std::size_t>(std::find(marks.begin(), marks.end(), 0.0) - marks.begin());
+  if (lost == grains.size())
+    throw_run_error("DEM infill at t = {:.9g} s: {} grains became {}", time, grains.size(), present);
+  throw_run_error(
+      "DEM infill at t = {:.9g} s: {} of {} grains left the box; grain {} was last seen at ({:.6g}, {:.6g}, "
+      "{:.6g}) m",
+      time, grains.size() - present, grains.size(), lost, array(SharedArrays::position_x)[lost],
+      array(SharedArrays::position_y)[lost], array(SharedArrays::position_z)[lost]);
 }
 
 DemInfill::DemInfill(const Grains& grains, const std::vector<Material>& materials,
@@ -233,12 +195,6 @@ ParticleView DemInfill::particles() const {
   return particles;
 }
 
-Expelled DemInfill::expelled() const {
-  const SharedState& shared = impl_->shared();
-  return {shared.expelled, shared.expelled_mass, Vec3(shared.expelled_momentum.data()),
-          shared.expelled_energy + shared.expelled_pending};
-}
-
 double DemInfill::stable_step() const {
   return impl_->stable_step;
 }
@@ -258,22 +214,29 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   shared.step = window / substeps;
   shared.substeps = substeps;
   shared.damping = my.damping;
-  const std::uint64_t gone = shared.expelled;
   shared.energy_wanted = my.energy_wanted ? 1 : 0;
   my.ask(Request::advance);
-  if (shared.expelled != gone) my.read_expelled();
+  my.check_count();
+  my.expelled.energy += std::exchange(my.expelled.pending, 0);
+  AdvanceReport report;
+  report.substeps = substeps;
+  my.take_report(report);
   my.started = true;
   my.stored_is_current = std::exchange(my.energy_wanted, false);
   my.time += window;
+  if (my.stored_is_current) {
+    my.sum_stored();
+    my.take_overlaps();
+  }
+  my.largest_step = std::max(my.largest_step, shared.step);
   my.steps += static_cast<std::uint64_t>(substeps);
   my.check_speeds(shared.step);
-  my.waiting += shared.run_seconds;
-  my.exchanging += std::chrono::duration<double>(Clock::now() - begin).count() - shared.run_seconds;
-  AdvanceReport report;
-  report.impulse_received = Vec3(shared.impulse_received.data());
-  report.impulse_scale = Vec3(shared.impulse_scale.data());
-  report.substeps = substeps;
+  my.exchanging += std::chrono::duration<double>(Clock::now() - begin).count();
   return report;
+}
+
+double DemInfill::rayleigh_share() const {
+  return impl_->largest_step / impl_->rayleigh_time;
 }
 
 void DemInfill::set_damping(double rate) {
@@ -282,128 +245,8 @@ void DemInfill::set_damping(double rate) {
   impl_->damping = rate;
 }
 
-InfillEnergy DemInfill::energy() const {
-  Impl& my = *impl_;
-  if (!my.stored_is_current) my.ask(Request::energy);
-  const SharedState& shared = my.shared();
-  InfillEnergy energy;
-  energy.stored = shared.stored_energy;
-  energy.gravity_potential = my.gravity_potential();
-  if (!my.started) {
-    energy.kinetic = my.kinetic_of_view();
-    return energy;
-  }
-  // The moment is the middle of the last kick, so half of its work has been done.
-  const double pair_work = shared.pair_work - 0.5 * shared.last_pair_work;
-  energy.kinetic = shared.kinetic;
-  energy.expelled = shared.expelled_energy;
-  energy.contact_work = shared.contact_work - 0.5 * shared.last_contact_work;
-  energy.damping = -(shared.damping_work - 0.5 * shared.last_damping_work);
-  const double missing = -pair_work - (energy.stored - my.initial_stored);
-  my.dissipated += std::max(0.0, missing - my.missing);
-  my.missing = missing;
-  energy.dissipated = my.dissipated;
-  return energy;
-}
-
 std::uint64_t DemInfill::particle_steps() const {
   return impl_->steps * impl_->grains.size();
-}
-
-void DemInfill::save(h5::Group& group) {
-  Impl& my = *impl_;
-  const std::filesystem::path file = my.host->folder() / "restart";
-  my.ask(Request::save, file.string());
-  const SharedState& shared = my.shared();
-  group.write("radius", my.grains.radius);
-  group.write("restart", read_bytes(file));
-  std::filesystem::remove(file);
-  my.write_vectors(group, "position", SharedArrays::position_x);
-  my.write_vectors(group, "velocity", SharedArrays::velocity_x);
-  my.write_vectors(group, "spin", SharedArrays::spin_x);
-  my.write_vectors(group, "own_force", SharedArrays::linear_x);
-  my.write_vectors(group, "own_torque", SharedArrays::angular_x);
-  group.write("works",
-              std::vector<double>{shared.pair_work, shared.contact_work, shared.damping_work,
-                                  shared.last_pair_work, shared.last_contact_work, shared.last_damping_work,
-                                  shared.kinetic, shared.stored_energy, my.stored_is_current ? 1.0 : 0.0});
-  const auto expelled = my.array(SharedArrays::expelled);
-  group.write("expelled", std::vector<double>(expelled.begin(), expelled.end()));
-  const auto& momentum = shared.expelled_momentum;
-  group.write("expelled_sums",
-              std::vector<double>{static_cast<double>(shared.expelled), shared.expelled_mass, momentum[0],
-                                  momentum[1], momentum[2], shared.expelled_energy, shared.expelled_pending});
-  group.write_scalar("time", my.time);
-  group.write_scalar("step", shared.step);
-  group.write_scalar("steps", my.steps);
-  group.write_scalar("damping", my.damping);
-  group.write_scalar("initial_stored", my.initial_stored);
-  group.write_scalar("missing", my.missing);
-  group.write_scalar("dissipated", my.dissipated);
-  group.write_scalar("started", static_cast<std::uint64_t>(my.started));
-}
-
-void DemInfill::load(const h5::Group& group) {
-  Impl& my = *impl_;
-  if (group.read_doubles("radius") != my.grains.radius)
-    throw_input_error(
-        "checkpoint: its grains are not those of this scene ({} grains); resume with the scene it was made "
-        "of",
-        my.grains.size());
-  const std::vector<double> works = group.read_doubles("works");
-  if (works.size() != 9)
-    throw_input_error("checkpoint: {} works of the infill instead of 9: it is damaged", works.size());
-  my.host = std::make_unique<HostLink>(my.settings.options.host, my.grains.size(),
-                                       my.settings.options.answer_timeout);
-  SharedState& shared = my.shared();
-  my.tell_surroundings();
-  my.time = group.read_double("time");
-  my.steps = group.read_count("steps");
-  my.damping = group.read_double("damping");
-  my.initial_stored = group.read_double("initial_stored");
-  my.missing = group.read_double("missing");
-  my.dissipated = group.read_double("dissipated");
-  my.started = group.read_count("started") != 0;
-  write_bytes(my.host->folder() / "restart", group.read_bytes("restart"));
-  my.start_host("read_restart", "restart");
-  std::filesystem::remove(my.host->folder() / "restart");
-
-  my.read_vectors(group, "position", SharedArrays::position_x);
-  my.read_vectors(group, "velocity", SharedArrays::velocity_x);
-  my.read_vectors(group, "spin", SharedArrays::spin_x);
-  my.read_vectors(group, "own_force", SharedArrays::linear_x);
-  my.read_vectors(group, "own_torque", SharedArrays::angular_x);
-  shared.step = group.read_double("step");
-  shared.pair_work = works[0];
-  shared.contact_work = works[1];
-  shared.damping_work = works[2];
-  shared.last_pair_work = works[3];
-  shared.last_contact_work = works[4];
-  shared.last_damping_work = works[5];
-  shared.kinetic = works[6];
-  shared.stored_energy = works[7];
-  my.stored_is_current = works[8] != 0;
-  const std::vector<double> expelled = group.read_doubles("expelled"),
-                            sums = group.read_doubles("expelled_sums");
-  if (expelled.size() != my.grains.size() || sums.size() != 7)
-    throw_input_error(
-        "checkpoint: {} marks and {} sums of expelled grains instead of {} and 7: it is damaged",
-        expelled.size(), sums.size(), my.grains.size());
-  std::copy(expelled.begin(), expelled.end(), my.array(SharedArrays::expelled).begin());
-  shared.expelled = static_cast<std::uint64_t>(sums[0]);
-  shared.expelled_mass = sums[1];
-  shared.expelled_momentum = {sums[2], sums[3], sums[4]};
-  shared.expelled_energy = sums[5];
-  shared.expelled_pending = sums[6];
-  my.read_expelled();
-  if (my.started) my.ask(Request::resume);
-}
-
-std::vector<Infill::Field> DemInfill::fields() const {
-  Impl& my = *impl_;
-  my.ask(Request::contacts);
-  const auto coordination = my.array(SharedArrays::coordination);
-  return {{"coordination", "1", std::vector<double>(coordination.begin(), coordination.end())}};
 }
 
 ContactNetwork DemInfill::contacts() const {
@@ -428,14 +271,6 @@ double DemInfill::exchange_seconds() const {
 }
 int DemInfill::host_process() const {
   return impl_->host->process_id();
-}
-
-DemInfill::OverlapStatistics DemInfill::overlaps() const {
-  Impl& my = *impl_;
-  my.ask(Request::contacts);
-  const SharedState& shared = my.shared();
-  return {shared.overlap_mean, shared.overlap_percentile_99, shared.overlap_largest,
-          static_cast<std::size_t>(shared.contacts)};
 }
 
 }  // namespace tuft::dem

@@ -117,6 +117,21 @@ class DemInfill final : public Infill {
   };
   [[nodiscard]] OverlapStatistics overlaps() const;
 
+  /// Overlaps of one pair of kinds of grains.
+  struct PairOverlaps {
+    Index first = 0, second = 0;  ///< into Scene::materials, first <= second
+    OverlapStatistics now;
+    /// Over the whole run, as far as it was looked at: in windows with energy_wanted, at their last kick.
+    /// Beyond DemOptions::overlap_limit `advance` throws RunError.
+    double largest_of_run = 0;
+  };
+  /// All pairs of kinds that the bed holds, whether or not they touch.
+  [[nodiscard]] std::vector<PairOverlaps> overlaps_by_pair() const;
+  /// `largest_of_run` alone, which needs no host.
+  [[nodiscard]] std::vector<PairOverlaps> largest_overlaps() const;
+  /// The largest step so far over the smallest Rayleigh time of a grain (0.2: as large as usually taken).
+  [[nodiscard]] double rayleigh_share() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

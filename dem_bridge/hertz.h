@@ -30,11 +30,15 @@ inline double tangential_stiffness(double shear, double radius, double overlap) 
   return 8 * shear * std::sqrt(radius * overlap);
 }
 
+/// Share of the Rayleigh time that a step may take.
+inline constexpr double stable_rayleigh_share = 0.2;
+
 /// 20 % of the Rayleigh time of one grain, s: pi r sqrt(rho/G) / (0.1631 nu + 0.8766), G = E / (2 (1 + nu))
 /// (Li et al. 2005, doi 10.1016/j.powtec.2005.02.002).
 inline double stable_grain_step(double radius, double density, double young, double poisson) {
   const double shear = young / (2 * (1 + poisson));
-  return 0.2 * std::numbers::pi * radius * std::sqrt(density / shear) / (0.1631 * poisson + 0.8766);
+  return stable_rayleigh_share * std::numbers::pi * radius * std::sqrt(density / shear) /
+         (0.1631 * poisson + 0.8766);
 }
 
 }  // namespace tuft::dem

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -21,21 +22,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The host's environment: ours, except that its MPI must take itself for a lone process (not for a rank of a
-/// job we may run in), needs no daemon, and leaves its files in the scratch folder, which is removed.
-std::vector<std::string> host_environment(const fs::path& scratch) {
+/// The host's environment: ours, except that its MPI must not take itself for a rank of a job we may run in,
+/// needs no daemon, and leaves its files in the scratch folder, which is removed. Its processes yield while
+/// they wait for each other: there may be fewer processors than ranks and driver need.
+std::vector<std::string> host_environment(const fs::path& scratch, Launch launch) {
   std::vector<std::string> environment;
   for (char** entry = ::environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
     bool drop = false;
-    for (const char* prefix : {"OMPI_", "PMIX_", "PMI_", "OMP_NUM_THREADS=", "TMPDIR="})
+    for (const char* prefix : {"OMPI_", "PMIX_", "PMI_", "PRTE_", "OMP_NUM_THREADS=", "TMPDIR="})
       drop |= text.starts_with(prefix);
     if (!drop) environment.emplace_back(text);
   }
   environment.insert(environment.end(),
-                     {"OMPI_MCA_ess_singleton_isolated=1", "OMPI_MCA_btl=self", "OMPI_MCA_pml=ob1",
-                      "OMPI_MCA_mpi_yield_when_idle=1", "OMPI_MCA_plm_rsh_agent=false",
+                     {"OMPI_MCA_pml=ob1", "OMPI_MCA_mpi_yield_when_idle=1", "OMPI_MCA_plm_rsh_agent=false",
                       "OMPI_MCA_opal_signal=", "OMP_NUM_THREADS=1", "TMPDIR=" + scratch.string()});
+  if (launch == Launch::alone)
+    environment.insert(environment.end(), {"OMPI_MCA_ess_singleton_isolated=1", "OMPI_MCA_btl=self"});
+  else  // mpirun refuses to run as root unless told twice that it is meant
+    environment.insert(environment.end(), {"OMPI_MCA_btl=self,vader", "OMPI_MCA_plm=isolated",
+                                           "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"});
   return environment;
 }
 
@@ -87,12 +93,19 @@ fs::path find_host(const std::string& wanted) {
   return beside;
 }
 
-HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>& arguments,
-                         int shared_memory, const fs::path& log, const fs::path& scratch) {
-  std::vector<std::string> argument_texts{program.string()};
-  argument_texts.insert(argument_texts.end(), arguments.begin(), arguments.end());
-  std::vector<std::string> environment_texts = host_environment(scratch);
-  auto argument_pointers = pointers_to(argument_texts);
+fs::path find_mpirun() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "/usr/bin:/bin" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (const fs::path program = fs::path(folder) / "mpirun"; ::access(program.c_str(), X_OK) == 0)
+      return fs::absolute(program);
+  throw_run_error("infill.dem.ranks above 1: there is no mpirun in PATH; install openmpi-bin, or use 1 rank");
+}
+
+HostProcess::HostProcess(std::vector<std::string> command, const fs::path& log, const fs::path& scratch,
+                         Launch launch) {
+  std::vector<std::string> environment_texts = host_environment(scratch, launch);
+  auto argument_pointers = pointers_to(command);
   auto environment_pointers = pointers_to(environment_texts);
 
   posix_spawn_file_actions_t actions;
@@ -102,8 +115,8 @@ HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  ::posix_spawn_file_actions_adddup2(&actions, shared_memory, 3);
-  ::posix_spawn_file_actions_addclosefrom_np(&actions, 4);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  ::posix_spawn_file_actions_addchdir_np(&actions, scratch.c_str());
   sigset_t none, standard;
   ::sigemptyset(&none);
   ::sigfillset(&standard);
@@ -113,12 +126,12 @@ HostProcess::HostProcess(const fs::path& program, const std::vector<std::string>
   ::posix_spawnattr_setflags(&attributes,
                              POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int failure = ::posix_spawn(&child, program.c_str(), &actions, &attributes, argument_pointers.data(),
-                                    environment_pointers.data());
+  const int failure = ::posix_spawn(&child, command.front().c_str(), &actions, &attributes,
+                                    argument_pointers.data(), environment_pointers.data());
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   if (failure != 0)
-    throw_run_error("liggghts_host: {} cannot be started: {}", program.string(), std::strerror(failure));
+    throw_run_error("liggghts_host: {} cannot be started: {}", command.front(), std::strerror(failure));
   id_ = child;
   descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   if (descriptor_ < 0) {

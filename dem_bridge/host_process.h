@@ -11,14 +11,19 @@ namespace tuft::dem {
 /// RunError naming the path that is missing or not executable, and what to do.
 [[nodiscard]] std::filesystem::path find_host(const std::string& wanted);
 
+/// mpirun of Open MPI in PATH. Throws RunError.
+[[nodiscard]] std::filesystem::path find_mpirun();
+
+enum class Launch { alone, mpirun };
+
 class HostProcess {
  public:
-  /// Starts `program arguments...` with `shared_memory` as descriptor 3 and its output in `log`, in a process
-  /// group of its own (Ctrl-C must reach the driver, which then checkpoints, and not the host). `scratch` is
-  /// its temporary folder. Throws RunError. The thread that starts it should live as long as the host: the
-  /// kernel ends the host with it.
-  HostProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-              int shared_memory, const std::filesystem::path& log, const std::filesystem::path& scratch);
+  /// Starts `command` (a program's path and its arguments) with its output in `log`, in a process group of
+  /// its own (Ctrl-C must reach the driver, which then checkpoints, and not the host). `scratch` is its
+  /// working and temporary folder. Throws RunError. The thread that starts it should live as long as the
+  /// host: the kernel ends the host with it.
+  HostProcess(std::vector<std::string> command, const std::filesystem::path& log,
+              const std::filesystem::path& scratch, Launch launch = Launch::alone);
   /// Kills it if it still runs; never leaves a zombie.
   ~HostProcess();
   HostProcess(const HostProcess&) = delete;

@@ -1,14 +1,13 @@
 #include "dem_bridge/liggghts_script.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <functional>
+#include <limits>
 
 #include "core/error.h"
 #include "dem_bridge/grain_contact.h"
+#include "dem_bridge/protocol.h"
 
 namespace tuft::dem {
 namespace {
@@ -51,6 +50,19 @@ std::string per_pair(const char* id, const char* property, std::size_t types,
 
 }  // namespace
 
+std::array<int, 2> rank_grid(int ranks, double length_x, double length_y) {
+  std::array<int, 2> best{ranks, 1};
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int x = 1; x <= ranks; ++x) {
+    if (ranks % x != 0) continue;
+    const double cuts = (x - 1) * length_y + (ranks / x - 1) * length_x;
+    if (cuts > shortest || (cuts == shortest && x < best[0])) continue;
+    shortest = cuts;
+    best = {x, ranks / x};
+  }
+  return best;
+}
+
 std::vector<Index> used_materials(const Grains& grains) {
   std::vector<Index> used = grains.material;
   std::sort(used.begin(), used.end());
@@ -67,6 +79,8 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
     throw_input_error("DEM infill: {} radii but {} positions, {} densities, {} layers, {} materials", count,
                       grains.position.size(), grains.density.size(), grains.layer.size(),
                       grains.material.size());
+  if (const std::size_t kinds = used_materials(grains).size(); kinds > largest_kinds)
+    throw_input_error("DEM infill: {} grain materials; there may be {}: mix fewer", kinds, largest_kinds);
   if (settings.options.contact != GrainContact::hertz && !(settings.options.characteristic_velocity > 0))
     throw_input_error(
         "DEM infill: infill.dem.characteristic_velocity is {} m/s; Hooke's contact needs it above 0",
@@ -98,23 +112,19 @@ std::array<Vec3, 2> host_domain(const DemSettings& settings) {
   return {settings.box[0] - margin, settings.box[1] + margin};
 }
 
-void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
-                     const std::array<Vec3, 2>& box) {
-  std::FILE* stream = std::fopen(file.c_str(), "w");
-  if (stream == nullptr) throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
-  std::fprintf(stream, "grains\n\n%zu atoms\n%zu atom types\n\n", grains.size(), used.size());
+std::vector<std::uint8_t> data_file(const Grains& grains, const std::vector<Index>& used,
+                                    const std::array<Vec3, 2>& box) {
+  std::string text = fmt::format("grains\n\n{} atoms\n{} atom types\n\n", grains.size(), used.size());
   const char* axes = "xyz";
   for (int a = 0; a < 3; ++a)
-    std::fprintf(stream, "%.17g %.17g %clo %chi\n", box[0][a], box[1][a], axes[a], axes[a]);
-  std::fprintf(stream, "\nAtoms\n\n");
+    text += fmt::format("{:.17g} {:.17g} {}lo {}hi\n", box[0][a], box[1][a], axes[a], axes[a]);
+  text += "\nAtoms\n\n";
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const auto type = std::lower_bound(used.begin(), used.end(), grains.material[i]) - used.begin() + 1;
-    std::fprintf(stream, "%zu %td %.17g %.17g %.17g %.17g %.17g\n", i + 1, type, 2 * grains.radius[i],
-                 grains.density[i], grains.position.x[i], grains.position.y[i], grains.position.z[i]);
+    text += fmt::format("{} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", i + 1, type, 2 * grains.radius[i],
+                        grains.density[i], grains.position.x[i], grains.position.y[i], grains.position.z[i]);
   }
-  const bool bad = std::ferror(stream) != 0;
-  if (std::fclose(stream) != 0 || bad)
-    throw_run_error("{} cannot be written: {}", file.string(), std::strerror(errno));
+  return {text.begin(), text.end()};
 }
 
 std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
@@ -137,6 +147,12 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
       "boundary f f f\n"
       "newton off\n"
       "communicate single vel yes\n";
+  // A layer is flat: divided in height, most ranks would hold air.
+  if (settings.options.ranks > 1) {
+    const Vec3 size = settings.box[1] - settings.box[0];
+    const auto [along_x, along_y] = rank_grid(settings.options.ranks, size.x(), size.y());
+    text += fmt::format("processors {} {} 1\n", along_x, along_y);
+  }
   text += source + "\n";
   text += fmt::format("neighbor {:.17g} bin\n", skin_share * sizes.smallest);
   text += fmt::format("neigh_modify delay 0 every 1 check yes contact_distance_factor {} binsize {:.17g}\n",

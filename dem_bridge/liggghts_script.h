@@ -1,7 +1,7 @@
 #pragma once
 /// The LIGGGHTS commands and the data file that set up a simulation of grains.
 #include <array>
-#include <filesystem>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,14 +19,17 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
 /// LIGGGHTS' own box, m: DemSettings::box and expulsion_margin around it.
 [[nodiscard]] std::array<Vec3, 2> host_domain(const DemSettings& settings);
 
-/// Writes a `read_data` file (atom style granular). Numbers have 17 digits and read back to the same bits.
-void write_data_file(const std::filesystem::path& file, const Grains& grains, const std::vector<Index>& used,
-                     const std::array<Vec3, 2>& box);
+/// A `read_data` file (atom style granular). Numbers have 17 digits and read back to the same bits.
+[[nodiscard]] std::vector<std::uint8_t> data_file(const Grains& grains, const std::vector<Index>& used,
+                                                  const std::array<Vec3, 2>& box);
 
 struct GrainSizes {
   std::size_t count = 0;
   double smallest = 0, largest = 0;  ///< m, radii
 };
+
+/// Ranks along x and y that divide a layer of these lengths (m) with the shortest cuts.
+[[nodiscard]] std::array<int, 2> rank_grid(int ranks, double length_x, double length_y);
 
 /// All commands, one a line. `source` is "read_data FILE" or "read_restart FILE"; the rest must be the same
 /// for both, because LIGGGHTS hands a restart file's history back by the ids of fixes.

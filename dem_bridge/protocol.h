@@ -1,35 +1,34 @@
 #pragma once
 /// What driver and liggghts_host agree on: the messages, and the layout of the memory they share.
 ///
-/// Control goes over one ZeroMQ PAIR socket (ipc, in a private folder): a message is one byte that says what,
-/// and for some a text. Bulk of every window never travels: both map one POSIX shared memory object, which
-/// has no name any more when the host starts (it inherits the descriptor), so nothing is left behind whatever
-/// ends first. Contacts, of which nobody knows the number before, are asked for now and then and come as the
-/// answer's text.
+/// Control goes over one stream socket a rank, in a private folder: a message is one byte that says what, and
+/// for some a text. Bulk of every window never travels: all map one POSIX shared memory object, which has no
+/// name any more when the host starts (its descriptor is handed over on the socket), so nothing is left
+/// behind whatever ends first. Every rank of a host on several reads and writes its own grains there, by
+/// their index, so nothing is gathered. Contacts, of which nobody knows the number before, are asked for now
+/// and then and come as the answer's text.
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <new>
-#include <span>
 
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 3;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 4;                 ///< raise with every change of this file
 
-/// Driver to host. Every request gets exactly one answer.
+/// Driver to host. Every rank gives exactly one answer to a request.
 enum class Request : char {
-  hello = 'h',  ///< text: none; answered once the host has mapped the memory
-  commands =
-      'c',  ///< text: LIGGGHTS commands, one a line; the host adds its own fixes and does the first set-up
-  advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the impulses of the shared memory
+  hello = 'h',     ///< text: none; answered once the host has mapped the memory
+  commands = 'c',  ///< text: LIGGGHTS commands, one a line, files in the host's folder; the host adds its own
+                   ///< fixes and does the first set-up. Fills `mass` and `radius`
+  advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the loads of the shared memory
+  census = 'p',    ///< fills `coordination` with 1 for every grain that is there
   energy = 'e',    ///< fills `stored_energy`, nearly: springs' elongations are those of one step later
-  contacts = 'o',  ///< fills the overlap statistics and the coordination numbers
+  contacts = 'o',  ///< fills the coordination numbers; answered with OverlapRecords as bytes
   network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
-  save = 's',  ///< text: path of the restart file to write; own forces and torques into the impulse arrays
-  resume =
-      'r',     ///< after commands that read a restart file: forces, torques, velocities, sums from the memory
-  quit = 'q',  ///< answered, then the host ends
+  save = 's',      ///< text: name of the restart file to write; own forces and torques into the loads
+  resume = 'r',    ///< after commands that read a restart file: forces, torques, velocities from the memory
+  quit = 'q',      ///< answered, then the host ends
 };
 
 /// Host to driver.
@@ -44,55 +43,80 @@ struct ContactRecord {
   std::array<double, 3> force{};       ///< N, on the first
 };
 
-/// Fixed part of the shared memory. Plain data; each field has one writer at a time, because the two ends
-/// take turns (request, answer).
+/// One contact of two grains in the answer to Request::contacts. Of a contact between two ranks' grains the
+/// rank with the grain of lower index tells.
+struct OverlapRecord {
+  std::int32_t first = 0, second = 0;  ///< LIGGGHTS' types - 1, first <= second
+  double overlap = 0;                  ///< over the smaller radius, above 0
+};
+
+/// Kinds of grains that overlaps are told apart for.
+inline constexpr std::size_t largest_kinds = 16;
+/// Place of a pair of types (from 0) in a list of all pairs.
+constexpr std::size_t pair_place(std::size_t a, std::size_t b) {
+  const std::size_t low = a < b ? a : b, high = a < b ? b : a;
+  return high * (high + 1) / 2 + low;
+}
+inline constexpr std::size_t largest_pairs = largest_kinds * (largest_kinds + 1) / 2;
+
+/// Fixed part of the shared memory, written by the driver. Plain data; the two ends take turns (request,
+/// answer).
 struct SharedState {
   std::uint64_t magic = protocol_magic;
   std::uint64_t version = protocol_version;
   std::uint64_t grains = 0;
+  std::uint64_t ranks = 1;
 
-  // Driver to host.
   double step = 0;                              ///< s, of one substep
   std::int64_t substeps = 0;                    ///< of the window
   double damping = 0;                           ///< 1/s
   std::int64_t energy_wanted = 0;               ///< 1: `stored_energy` at the last kick of the window
   std::array<double, 3> gravity{};              ///< m/s^2
   std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
+  std::uint64_t expelled = 0;                   ///< grains that have left so far
+};
 
-  // Host to driver: the last window.
+/// What one rank tells of its grains: written by that rank alone.
+struct RankState {
+  // The last window.
   std::array<double, 3> impulse_received{};  ///< N s, summed over grains and substeps as added to the forces
   std::array<double, 3> impulse_scale{};     ///< N s, the same with absolute values
-  double kinetic = 0;                        ///< J, at the middle of the last kick
   double run_seconds = 0;                    ///< wall time inside LIGGGHTS' steps, kicks and copies excluded
   double copy_seconds = 0;                   ///< wall time of kicks and copies in the host
-
-  // Host to driver, and back on resume: works since the start of the run, J.
-  double pair_work = 0;       ///< of grain-grain forces and torques
-  double contact_work = 0;    ///< of the contact impulses
-  double damping_work = 0;    ///< of the damping (never positive)
+  double pair_work = 0;                      ///< J in the window: of grain-grain forces and torques
+  double contact_work = 0;                   ///< of the contact impulses
+  double damping_work = 0;                   ///< of the damping (never positive)
   double last_pair_work = 0;  ///< share of the last kick in each: a kick's middle is the moment of report
   double last_contact_work = 0;
   double last_damping_work = 0;
-
-  // Host to driver, and back on resume: of the grains that have been expelled. Kinetic energies are as of the
-  // first force evaluation outside; those that the last kick still counted with the rest wait in
-  // `expelled_pending`.
+  double kinetic = 0;  ///< J, at the middle of the last kick
+  // Grains that have left at its end. Their kinetic energy is as of the force evaluation that comes.
   std::uint64_t expelled = 0;
   double expelled_mass = 0;
   std::array<double, 3> expelled_momentum{};
-  double expelled_energy = 0, expelled_pending = 0;
+  double expelled_energy = 0;
 
-  // Host to driver: on request, the first also of a window.
-  double stored_energy = 0;  ///< J, elastic, in grain-grain contacts
-  double overlap_mean = 0, overlap_percentile_99 = 0, overlap_largest = 0;
-  std::uint64_t contacts = 0;
+  std::uint64_t grains = 0;  ///< that the rank owns
+  double stored_energy =
+      0;  ///< J, elastic, in grain-grain contacts; on request, or as of a window's last kick
+  /// By pair_place: the largest overlap over the smaller radius, seen whenever stored_energy was summed up in
+  /// a kick. The driver sets it back.
+  std::array<double, largest_pairs> overlap_largest{};
 
   // Host's own words: ring of the last characters LIGGGHTS printed. Readable after any kind of death.
   std::uint64_t words_written = 0;
   std::array<char, 8192> words{};
 };
 
-/// The arrays behind SharedState, each `grains` long, by grain index (LIGGGHTS tag - 1).
+/// The contact impulse of the window on one grain (save and resume: own force, N, and torque, N m). One
+/// cache line, since LIGGGHTS goes through its grains in another order than that of their indices.
+struct alignas(64) GrainLoadRecord {
+  std::array<double, 3> linear{};   ///< N s
+  std::array<double, 3> angular{};  ///< N m s
+};
+
+/// What lies behind SharedState: a RankState a rank, the loads, and arrays, each `grains` long, by grain
+/// index (LIGGGHTS tag - 1).
 struct SharedArrays {
   enum Name : std::size_t {
     position_x,
@@ -104,12 +128,6 @@ struct SharedArrays {
     spin_x,
     spin_y,
     spin_z,
-    linear_x,
-    linear_y,
-    linear_z,  ///< contact impulse of the window, N s (save/resume: own force, N)
-    angular_x,
-    angular_y,
-    angular_z,  ///< N m s (save/resume: own torque, N m)
     mass,
     radius,
     coordination,
@@ -118,19 +136,20 @@ struct SharedArrays {
   };
 
   static constexpr std::size_t alignment = 64;
+  static constexpr std::size_t aligned(std::size_t bytes) {
+    return (bytes + alignment - 1) / alignment * alignment;
+  }
   static constexpr std::size_t padded(std::size_t grains) {
-    constexpr std::size_t line = alignment / sizeof(double);
-    return (grains + line - 1) / line * line;
+    return aligned(grains * sizeof(double)) / sizeof(double);
   }
-  static constexpr std::size_t header_bytes = (sizeof(SharedState) + alignment - 1) / alignment * alignment;
-  static constexpr std::size_t total_bytes(std::size_t grains) {
-    return header_bytes + Name::count * padded(grains) * sizeof(double);
+  static constexpr std::size_t rank_offset(std::size_t rank) {
+    return aligned(sizeof(SharedState)) + rank * aligned(sizeof(RankState));
   }
-
-  /// `memory` points to SharedState; pages are aligned far beyond `alignment`.
-  static std::span<double> view(void* memory, std::size_t grains, std::size_t name) {
-    auto* first = reinterpret_cast<double*>(static_cast<std::byte*>(memory) + header_bytes);
-    return {first + name * padded(grains), grains};
+  static constexpr std::size_t array_offset(std::size_t grains, std::size_t ranks, std::size_t name) {
+    return rank_offset(ranks) + grains * sizeof(GrainLoadRecord) + name * padded(grains) * sizeof(double);
+  }
+  static constexpr std::size_t total_bytes(std::size_t grains, std::size_t ranks) {
+    return array_offset(grains, ranks, Name::count);
   }
 };
 

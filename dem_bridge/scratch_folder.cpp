@@ -27,6 +27,19 @@ int take_lock(const fs::path& folder, int flags) {
   return -1;
 }
 
+/// The lock goes last, and comes back when a host that is just being ended has put something there meanwhile:
+/// a folder without a lock would be swept by nobody.
+void remove_folder(const fs::path& folder) {
+  std::error_code ignored, failure;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename() != "lock") fs::remove_all(entry.path(), ignored);
+  fs::remove(folder / "lock", ignored);
+  fs::remove(folder, failure);
+  if (!failure) return;
+  const int lock = ::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock >= 0) ::close(lock);
+}
+
 /// The kernel lets go of a lock when its holder dies, so a folder whose lock is free belongs to nobody. A
 /// folder without a lock file may be one that is being made just now: it is left alone.
 void remove_stale_folders(const fs::path& temporary) {
@@ -40,7 +53,7 @@ void remove_stale_folders(const fs::path& temporary) {
       continue;
     const int lock = take_lock(entry.path(), 0);
     if (lock < 0) continue;
-    fs::remove_all(entry.path(), ignored);
+    remove_folder(entry.path());
     ::close(lock);
   }
 }
@@ -62,8 +75,7 @@ ScratchFolder::ScratchFolder() {
 }
 
 ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  remove_folder(path_);
   if (lock_ >= 0) ::close(lock_);
 }
 

@@ -10,10 +10,10 @@ namespace tuft::dem {
 
 class SharedMemory {
  public:
-  /// A new object for `grains` grains, zeroed. Its name exists for an instant only: only who inherits the
-  /// descriptor can map it, and the kernel frees it with the last process. Throws RunError.
-  static SharedMemory create(std::size_t grains);
-  /// Maps an inherited descriptor and checks magic, version and size. Throws std::runtime_error.
+  /// A new object for `grains` grains and `ranks` ranks, zeroed. Its name exists for an instant only: only
+  /// who is given the descriptor can map it, and the kernel frees it with the last process. Throws RunError.
+  static SharedMemory create(std::size_t grains, std::size_t ranks = 1);
+  /// Maps a descriptor that was handed over and checks magic, version and size. Throws std::runtime_error.
   static SharedMemory open(int descriptor);
 
   ~SharedMemory();
@@ -25,12 +25,21 @@ class SharedMemory {
   [[nodiscard]] std::size_t grains() const { return grains_; }
   [[nodiscard]] SharedState& state() const { return *static_cast<SharedState*>(memory_); }
   [[nodiscard]] std::span<double> array(std::size_t name) const {
-    return SharedArrays::view(memory_, grains_, name);
+    return {at<double>(SharedArrays::array_offset(grains_, ranks(), name)), grains_};
   }
-  /// The last lines LIGGGHTS printed, oldest first.
-  [[nodiscard]] std::string words() const;
+  [[nodiscard]] std::span<GrainLoadRecord> loads() const {
+    return {at<GrainLoadRecord>(SharedArrays::rank_offset(ranks())), grains_};
+  }
+  [[nodiscard]] std::size_t ranks() const { return state().ranks; }
+  [[nodiscard]] RankState& rank(std::size_t r) const { return *at<RankState>(SharedArrays::rank_offset(r)); }
+  /// The last lines LIGGGHTS printed on a rank, oldest first.
+  [[nodiscard]] std::string words(std::size_t rank = 0) const;
 
  private:
+  template <class T>
+  [[nodiscard]] T* at(std::size_t offset) const {
+    return reinterpret_cast<T*>(static_cast<std::byte*>(memory_) + offset);
+  }
   SharedMemory(int descriptor, void* memory, std::size_t bytes, std::size_t grains)
       : descriptor_(descriptor), memory_(memory), bytes_(bytes), grains_(grains) {}
   int descriptor_ = -1;

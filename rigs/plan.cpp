@@ -12,6 +12,7 @@
 #include "dem_bridge/dem_infill.h"
 #include "dem_bridge/grain_contact.h"
 #include "dem_bridge/grain_sizes.h"
+#include "dem_bridge/hertz.h"
 #include "fe_carpet/leg_shape.h"
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
@@ -24,7 +25,8 @@ namespace {
 
 struct GrainEstimate {
   double count = 0;
-  double own_step = std::numeric_limits<double>::infinity();  ///< s, that contacts of grains bear
+  double own_step = std::numeric_limits<double>::infinity();       ///< s, that contacts of grains bear
+  double rayleigh_step = std::numeric_limits<double>::infinity();  ///< s, 20 % of the Rayleigh time
   double contact_step = 1;  ///< s, 2 / omega of the stiffest contact with shells and bodies
   double largest = 0;       ///< m, diameter
 };
@@ -54,6 +56,9 @@ GrainEstimate estimate_grains(const Scene& scene) {
       estimate.own_step = std::min(
           estimate.own_step,
           dem::stable_step_of_grain(r, density, share.material, kinds, scene.materials, scene.infill.dem));
+      estimate.rayleigh_step =
+          std::min(estimate.rayleigh_step,
+                   dem::stable_grain_step(r, density, kind.grain->young_modulus, kind.grain->poisson_ratio));
       const double grain_mass = density * 4.0 / 3 * std::numbers::pi * r * r * r;
       estimate.contact_step = std::min(estimate.contact_step,
                                        2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
@@ -163,7 +168,7 @@ double clearance(const CarpetDesign& carpet) {
 }
 
 /// How many of the largest grains lie across what they must not be large beside.
-void remark_on_grains(RunPlan& plan, const Scene& scene, double largest) {
+void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double rayleigh_step) {
   const double ratio = clearance(scene.turf.carpet) / largest;
   // Of an imported carpet the design's spacings say nothing.
   if (effect_on(plan.effects, "fibres") && scene.turf.carpet.mesh.file.empty() && ratio < 5)
@@ -183,6 +188,11 @@ void remark_on_grains(RunPlan& plan, const Scene& scene, double largest) {
         fmt::format("the infill is {:.2g} of the largest grains deep (under 6): reduce "
                     "infill.dem.coarse_graining",
                     high));
+  if (plan.infill_step > rayleigh_step * (1 + 1e-9))
+    plan.remarks.push_back(fmt::format(
+        "the grains' step of {:.3g} us is {:.3g} % of the smallest Rayleigh time (over 20 %): contacts may "
+        "gain energy; reduce numerics.step_safety or numerics.coupling_window",
+        1e6 * plan.infill_step, 20 * plan.infill_step / rayleigh_step));
   const std::vector<Index> kinds = kinds_of_grains(scene);
   const bool cohesion = effect_on(plan.effects, "grain_cohesion");
   if (cohesion) dem::check_cohesion(kinds, scene.materials, scene.infill.dem);
@@ -215,7 +225,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   plan.remarks.push_back(
       "grains are counted from layer masses, and time and memory estimated from usual speeds: nothing was "
       "packed");
-  remark_on_grains(plan, scene, grains.largest);
+  remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
 }
 
 }  // namespace

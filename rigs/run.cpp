@@ -1,4 +1,5 @@
 #include "rigs/run.h"
+#include "rigs/grain_notes.h"
 
 #include <fmt/format.h>
 
@@ -370,12 +371,7 @@ void Runner::measure() {
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};
-    if (summary_.status == "failed") return;  // the host may be gone
-    const auto overlaps = state_.built.dem->overlaps();
-    notes["grain_overlap_mean"] = {overlaps.mean, "1"};
-    notes["grain_overlap_percentile_99"] = {overlaps.percentile_99, "1"};
-    notes["grain_overlap_largest"] = {overlaps.largest, "1"};
-    notes["grain_contacts"] = {static_cast<double>(overlaps.contacts), "1"};
+    add_grain_notes(*state_.built.dem, request_.scene.materials, summary_.status == "failed", notes);
   }
 }
 

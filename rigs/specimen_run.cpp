@@ -1,4 +1,5 @@
 #include "rigs/specimen_run.h"
+#include "rigs/grain_notes.h"
 
 #include <fmt/format.h>
 
@@ -282,6 +283,8 @@ class SpecimenRunner {
     if (!simulation_) return;
     summary_.steps = tally_.steps_before + simulation_->windows();
     summary_.notes["window"] = {simulation_->step_plan().window, "s"};
+    if (const auto* grains = dynamic_cast<const dem::DemInfill*>(&simulation_->infill()))
+      add_grain_notes(*grains, request_.scene.materials, summary_.status == "failed", summary_.notes);
     summary_.notes["kinetic_share"] = {kinetic_share(), "1"};
     const auto particle_steps =
         static_cast<double>(tally_.particle_steps_before + simulation_->infill().particle_steps());

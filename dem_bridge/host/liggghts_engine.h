@@ -1,5 +1,6 @@
 #pragma once
-/// LIGGGHTS as the bridge needs it. The implementation is the only place that sees LIGGGHTS' headers.
+/// LIGGGHTS as the bridge needs it: one rank of it, and all functions are called on all ranks alike. The
+/// implementation is the only place that sees LIGGGHTS' headers.
 ///
 /// State between windows: LIGGGHTS has just evaluated the grains' own forces at x(t), and has made its
 /// closing half kick with them. The shared memory holds x(t) and v(t - dt/2), read in LIGGGHTS' callback
@@ -18,7 +19,7 @@ class LiggghtsEngine {
  public:
   /// LIGGGHTS' own errors end the process (its words are in the shared memory); those of the bridge are
   /// thrown as std::runtime_error by all functions below.
-  explicit LiggghtsEngine(SharedMemory& memory);
+  LiggghtsEngine(SharedMemory& memory, int rank);
   ~LiggghtsEngine();
   LiggghtsEngine(const LiggghtsEngine&) = delete;
   LiggghtsEngine& operator=(const LiggghtsEngine&) = delete;
@@ -28,13 +29,16 @@ class LiggghtsEngine {
   void resume();
   void advance();
   void compute_stored_energy();
-  void compute_contacts();
+  void take_census();
+  /// The answer to Request::contacts.
+  [[nodiscard]] std::string list_overlaps();
   /// The answer to Request::network (contact_network.h).
   [[nodiscard]] std::string list_contacts();
   void save(const std::string& restart_file);
 
- private:
   struct Impl;
+
+ private:
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,6 +1,8 @@
-/// liggghts_host ENDPOINT DRIVER: LIGGGHTS behind the wire. Started by tuft (never by hand) with the shared
-/// memory as descriptor 3; answers one request at a time until told to quit or until the driver, process
-/// DRIVER, is gone.
+/// LIGGGHTS behind the wire. Answers one request at a time until told to quit or until the driver is gone.
+///   liggghts_host --driver PROCESS --socket PATH   started by tuft; given the shared memory at the socket;
+///                                                  under mpirun each rank has its own connection
+///   liggghts_host --listen tcp://*:PORT [--once]   started by hand, for drivers on other machines
+///   liggghts_host --serve tcp://*:PORT PROCESS     started by --listen, process PROCESS, for one driver
 #include <mpi.h>
 #include <poll.h>
 #include <signal.h>
@@ -11,11 +13,14 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <stdexcept>
 #include <string>
-#include <zmq.hpp>
+#include <thread>
+#include <vector>
 
 #include "dem_bridge/host/liggghts_engine.h"
+#include "dem_bridge/host/listen.h"
+#include "dem_bridge/host/serve.h"
+#include "dem_bridge/message_socket.h"
 #include "dem_bridge/protocol.h"
 #include "dem_bridge/shared_memory.h"
 
@@ -23,74 +28,44 @@ namespace {
 
 using namespace tuft::dem;
 
-constexpr int shared_memory_descriptor = 3;
-constexpr long receive_timeout = 1000;  // ms, after which the driver is looked for
+/// Ends this process when who started it ends, whatever LIGGGHTS is at. (For a child the kernel does so at
+/// once; a rank is a child of mpirun.)
+void end_with(pid_t starter) {
+  const int watch = static_cast<int>(::syscall(SYS_pidfd_open, starter, 0));
+  if (watch < 0) ::_exit(EXIT_FAILURE);  // it is gone already
+  std::thread([watch] {
+    pollfd ended{watch, POLLIN, 0};
+    while (::poll(&ended, 1, -1) < 0) {
+    }
+    ::_exit(EXIT_FAILURE);
+  }).detach();
+}
 
 /// Waits for the next request; false when the driver is gone.
-bool receive(zmq::socket_t& socket, int driver_watch, pid_t driver, std::string& message) {
+bool receive(MessageSocket& socket, std::string& message) {
   while (true) {
-    zmq_pollitem_t watched[] = {{socket.handle(), 0, ZMQ_POLLIN, 0}, {nullptr, driver_watch, ZMQ_POLLIN, 0}};
-    if (zmq_poll(watched, driver_watch >= 0 ? 2 : 1, receive_timeout) < 0 && zmq_errno() != EINTR)
-      return false;
-    zmq::message_t received;
-    if (socket.recv(received, zmq::recv_flags::dontwait)) {
-      message = received.to_string();
+    if (auto received = socket.receive()) {
+      message = std::move(*received);
       return true;
     }
-    if (watched[1].revents != 0 || ::getppid() != driver) return false;
+    if (socket.closed()) return false;
+    pollfd watched{socket.descriptor(), POLLIN, 0};
+    ::poll(&watched, 1, -1);
   }
 }
 
-/// What the answer is to carry.
-std::string serve(LiggghtsEngine& engine, Request request, const std::string& text) {
-  switch (request) {
-    case Request::hello:
-    case Request::quit:
-      return {};
-    case Request::commands:
-      engine.set_up(text);
-      return {};
-    case Request::advance:
-      engine.advance();
-      return {};
-    case Request::energy:
-      engine.compute_stored_energy();
-      return {};
-    case Request::contacts:
-      engine.compute_contacts();
-      return {};
-    case Request::network:
-      return engine.list_contacts();
-    case Request::save:
-      engine.save(text);
-      return {};
-    case Request::resume:
-      engine.resume();
-      return {};
-  }
-  throw std::runtime_error("unknown request");
-}
-
-int run(const std::string& endpoint, pid_t driver) {
-  SharedMemory memory = SharedMemory::open(shared_memory_descriptor);
-  const int driver_watch = static_cast<int>(::syscall(SYS_pidfd_open, driver, 0));
-  zmq::context_t context{1};
-  zmq::socket_t socket{context, zmq::socket_type::pair};
-  socket.set(zmq::sockopt::linger, 200);
-  socket.connect(endpoint);
-  LiggghtsEngine engine(memory);
+int run(const std::string& path) {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MessageSocket socket = connect_to(path);
+  socket.send(std::to_string(rank));
+  SharedMemory memory = SharedMemory::open(socket.receive_descriptor());
+  LiggghtsEngine engine(memory, rank);
   std::string message;
-  while (receive(socket, driver_watch, driver, message)) {
+  while (receive(socket, message)) {
     if (message.empty()) continue;
-    const auto request = static_cast<Request>(message[0]);
-    std::string answer(1, static_cast<char>(Answer::done));
-    try {
-      answer += serve(engine, request, message.substr(1));
-    } catch (const std::exception& error) {
-      answer = static_cast<char>(Answer::failed) + std::string(error.what());
-    }
-    socket.send(zmq::buffer(answer), zmq::send_flags::none);
-    if (request == Request::quit) break;
+    socket.send(answer_to(engine, message));
+    if (message[0] == static_cast<char>(Request::quit)) break;
   }
   return EXIT_SUCCESS;
 }
@@ -98,17 +73,22 @@ int run(const std::string& endpoint, pid_t driver) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 3) {
-    std::cerr << "liggghts_host is started by tuft; usage: liggghts_host ENDPOINT DRIVER\n";
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  const std::string mode = words.empty() ? "" : words[0];
+  const bool once = words.size() == 3 && words[2] == "--once";
+  if (mode == "--listen" && (words.size() == 2 || once)) return listen_for_drivers(words[1], once);
+  const bool serves = mode == "--serve" && words.size() == 3;
+  if (!serves && !(mode == "--driver" && words.size() == 4 && words[2] == "--socket")) {
+    std::cerr << "liggghts_host is started by tuft; by hand for another machine: liggghts_host --listen "
+                 "tcp://*:PORT [--once]\n";
     return 2;
   }
-  const auto driver = static_cast<pid_t>(std::strtol(arguments[2], nullptr, 10));
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != driver) return EXIT_FAILURE;  // it died before the line above
+  end_with(static_cast<pid_t>(std::strtol(words[serves ? 2 : 1].c_str(), nullptr, 10)));
   MPI_Init(nullptr, nullptr);
-  int status = EXIT_FAILURE;
+  int status = serves ? cannot_listen : EXIT_FAILURE;
   try {
-    status = run(arguments[1], driver);
+    status = serves ? serve_one_driver(words[1]) : run(words[3]);
   } catch (const std::exception& error) {
     std::cerr << "ERROR: " << error.what() << '\n';
   }

@@ -6,7 +6,7 @@ namespace tuft::dem {
 namespace {
 
 ssize_t write_to_ring(void* cookie, const char* text, std::size_t size) {
-  auto& shared = *static_cast<SharedState*>(cookie);
+  auto& shared = *static_cast<RankState*>(cookie);
   for (std::size_t i = 0; i < size; ++i)
     shared.words[(shared.words_written + i) % shared.words.size()] = text[i];
   shared.words_written += size;
@@ -15,7 +15,7 @@ ssize_t write_to_ring(void* cookie, const char* text, std::size_t size) {
 
 }  // namespace
 
-std::FILE* open_screen_ring(SharedState& shared) {
+std::FILE* open_screen_ring(RankState& shared) {
   cookie_io_functions_t functions{};
   functions.write = write_to_ring;
   std::FILE* stream = ::fopencookie(&shared, "w", functions);

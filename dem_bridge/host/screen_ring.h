@@ -9,6 +9,6 @@
 namespace tuft::dem {
 
 /// `shared` must outlive the stream. Line buffered, so that words said before a crash are there.
-[[nodiscard]] std::FILE* open_screen_ring(SharedState& shared);
+[[nodiscard]] std::FILE* open_screen_ring(RankState& shared);
 
 }  // namespace tuft::dem

@@ -68,13 +68,13 @@ TEST_F(HostFailure, KilledInTheMiddleOfAWindowIsAClearErrorWithinASecond) {
 }
 
 TEST_F(HostFailure, ThatHangsIsEndedAfterTheTimeout) {
-  start(0.3);
+  start(3);
   const int host = infill_->host_process();
   ::kill(host, SIGSTOP);
   const auto begin = Clock::now();
   const std::string message = message_of<RunError>([&] { advance(1); });
-  EXPECT_LT(seconds_since(begin), 2.0);
-  EXPECT_NE(message.find("did not answer for 0.3 s"), std::string::npos) << message;
+  EXPECT_LT(seconds_since(begin), 5.0);
+  EXPECT_NE(message.find("did not answer for 3 s"), std::string::npos) << message;
   EXPECT_TRUE(gone_within(host, 1.0));
 }
 

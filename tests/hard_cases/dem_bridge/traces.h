@@ -47,7 +47,8 @@ class Traces : public ::testing::Test {
       ::unsetenv("TMPDIR");
     else
       ::setenv("TMPDIR", before_.c_str(), 1);
-    EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "left in the temporary folder";
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
+      ADD_FAILURE() << "left in the temporary folder: " << entry.path();
     std::filesystem::remove_all(folder_);
     for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
       EXPECT_FALSE(entry.path().filename().string().starts_with("tuft-dem-" + std::to_string(::getpid())))

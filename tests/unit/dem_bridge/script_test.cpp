@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "tests/verification/dem_bridge/bridge_scene.h"
@@ -133,9 +131,8 @@ TEST(Script, DataFileGivesPositionsBackToTheBit) {
   ShakenBlock block(3);
   for (std::size_t i = 0; i < block.grains.size(); ++i)
     block.grains.position.x[i] += 1e-5 / (3.0 + static_cast<double>(i));
-  const auto file = std::filesystem::temp_directory_path() / "tuft-script-test.data";
-  write_data_file(file, block.grains, {0}, {Vec3(-1, -1, -1), Vec3(1, 1, 1)});
-  std::ifstream stream(file);
+  const auto bytes = data_file(block.grains, {0}, {Vec3(-1, -1, -1), Vec3(1, 1, 1)});
+  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
   std::string line;
   while (std::getline(stream, line) && line != "Atoms") {
   }
@@ -150,7 +147,6 @@ TEST(Script, DataFileGivesPositionsBackToTheBit) {
     EXPECT_EQ(std::strtod(x.c_str(), nullptr), block.grains.position.x[i]);
     EXPECT_EQ(std::strtod(z.c_str(), nullptr), block.grains.position.z[i]);
   }
-  std::filesystem::remove(file);
 }
 
 }  // namespace

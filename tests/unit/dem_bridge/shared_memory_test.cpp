@@ -13,7 +13,7 @@ namespace tuft::dem {
 namespace {
 
 TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
-  const SharedMemory driver = SharedMemory::create(1001);
+  const SharedMemory driver = SharedMemory::create(1001, 3);
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
     EXPECT_FALSE(entry.path().filename().string().starts_with("tuft-dem-" + std::to_string(::getpid()) + "-"))
         << entry;
@@ -21,8 +21,15 @@ TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
   const SharedMemory host = SharedMemory::open(descriptor);
   ASSERT_EQ(host.grains(), 1001u);
   for (std::size_t name = 0; name < SharedArrays::count; ++name)
-    driver.array(name)[1000] = static_cast<double>(name) + 0.5;
+    for (double& value : driver.array(name)) value = static_cast<double>(name) + 0.5;
+  for (GrainLoadRecord& load : driver.loads()) load.angular.fill(-3);
+  for (std::size_t rank = 0; rank < 3; ++rank) driver.rank(rank).grains = 5 + rank;
+  EXPECT_EQ(host.ranks(), 3u);
+  EXPECT_EQ(host.grains(), 1001u);
+  for (std::size_t rank = 0; rank < 3; ++rank) EXPECT_EQ(host.rank(rank).grains, 5 + rank);
+  EXPECT_EQ(host.loads()[1000].angular[2], -3);
   for (std::size_t name = 0; name < SharedArrays::count; ++name) {
+    EXPECT_EQ(host.array(name)[0], static_cast<double>(name) + 0.5) << "arrays overlap";
     EXPECT_EQ(host.array(name)[1000], static_cast<double>(name) + 0.5) << "arrays overlap";
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(host.array(name).data()) % SharedArrays::alignment, 0u);
   }
@@ -41,7 +48,7 @@ TEST(SharedMemory, OtherProtocolVersionIsRefused) {
 
 TEST(SharedMemory, KeepsTheLastWords) {
   const SharedMemory memory = SharedMemory::create(1);
-  SharedState& state = memory.state();
+  RankState& state = memory.rank(0);
   const std::string said(10000, 'a');
   for (char c : said + "ERROR: the end\n") state.words[state.words_written++ % state.words.size()] = c;
   EXPECT_EQ(memory.words().size(), state.words.size());

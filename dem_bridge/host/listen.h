@@ -1,0 +1,16 @@
+#pragma once
+/// The host on a machine of its own: waits at a TCP port for a driver.
+#include <string>
+
+namespace tuft::dem {
+
+inline constexpr int cannot_listen = 3;  ///< exit code of a process that could not have the port
+
+/// Serves one driver after the other, each with a process of its own (LIGGGHTS cannot be emptied and filled
+/// again), until ended by a signal; with `once` only one. Returns the exit code.
+int listen_for_drivers(const std::string& endpoint, bool once);
+
+/// Serves one driver. To be called by the process made for it.
+int serve_one_driver(const std::string& endpoint);
+
+}  // namespace tuft::dem
