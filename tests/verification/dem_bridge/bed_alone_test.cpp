@@ -99,8 +99,9 @@ Motion alone(const Grains& grains, double dt, int steps) {
   const fs::path folder = fs::temp_directory_path() / ("liggghts-alone-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   // Two types, of which the grains are the first.
-  Grains with_wall = grains;
-  write_data_file(folder / "one.data", with_wall, {0, 1}, host_domain(settings_in_box(0.05)));
+  const std::vector<std::uint8_t> data = data_file(grains, {0, 1}, host_domain(settings_in_box(0.05)));
+  std::ofstream(folder / "one.data", std::ios::binary)
+      .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
   std::ofstream(folder / "commands") << script(folder / "one.data", folder / "dump", dt, steps);
   const int code = std::system((std::string(LIGGGHTS_ALONE) + " " + (folder / "commands").string()).c_str());
   EXPECT_EQ(code, 0);
