@@ -61,6 +61,14 @@ std::string settings_table(const Runs& runs) {
     add("Conditioning", [](const Scene& s) -> std::string {
       const Conditioning& c = s.conditioning;
       if (!c.on()) return "none";
+      if (c.method == "roller")
+        return fmt::format("{} by a roller of {} with {} studs around, {} passes at {}",
+                           format_quantity(c.depth, "m"), format_quantity(c.roller.diameter, "m"),
+                           c.roller.studs_around, c.roller.passes, format_quantity(c.roller.speed, "m/s"));
+      if (c.presses > 1)
+        return fmt::format("{} by a plate, at most {} times in {}, lifted in {}, settled for {}",
+                           format_quantity(c.depth, "m"), c.presses, format_quantity(c.press_time, "s"),
+                           format_quantity(c.lift_time, "s"), format_quantity(c.settle_time, "s"));
       return fmt::format("{} by a plate in {}, lifted in {}, settled for {}", format_quantity(c.depth, "m"),
                          format_quantity(c.press_time, "s"), format_quantity(c.lift_time, "s"),
                          format_quantity(c.settle_time, "s"));

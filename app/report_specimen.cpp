@@ -1,5 +1,5 @@
-/// The report of oedometer and direct shear: results by load and cycle, curves, the Mohr-Coulomb line,
-/// energies.
+/// The report of oedometer, direct shear and pull-out: results by load, cycle or speed, curves, the
+/// Mohr-Coulomb line, energies.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,10 +23,10 @@ bool is_ring(const RunData& run) {
   return run.scene->rig.type == "oedometer";
 }
 
-Runs of_type(const Runs& runs, bool ring) {
+Runs of_type(const Runs& runs, const char* type) {
   Runs chosen;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(chosen),
-               [ring](const RunData& run) { return is_ring(run) == ring; });
+               [type](const RunData& run) { return run.scene->rig.type == type; });
   return chosen;
 }
 
@@ -40,6 +40,9 @@ std::vector<TestName> tests_of(const RunData& run) {
   if (is_ring(run))
     for (const double force : rig_of(run).preloads)
       names.push_back({fmt::format("{:g} N", force), fmt::format("preload_{:g}_", force)});
+  else if (run.scene->rig.has_strand())
+    for (const double speed : rig_of(run).speeds)
+      names.push_back({fmt::format("{:g} mm/s", 1e3 * speed), fmt::format("speed_{:g}_mm_s_", 1e3 * speed)});
   else
     for (const double stress : rig_of(run).normal_stresses)
       names.push_back(
@@ -65,8 +68,16 @@ struct Axis {
   double factor;
 };
 
+/// Rows of a test that are drawn.
+enum class Rows { all, shearing, drawing };
+
+bool is_drawn(const TimeTable& history, std::size_t row, Rows rows) {
+  if (rows == Rows::shearing) return history.at("shearing")[row] != 0;
+  return rows == Rows::all || history.at("phase")[row] == 2;
+}
+
 Plot plot_of_tests(const Runs& runs, const std::string& id, const std::string& x_label, const Axis& x,
-                   const std::string& y_label, const Axis& y, bool y_of_energy, bool shearing_only) {
+                   const std::string& y_label, const Axis& y, bool y_of_energy, Rows rows) {
   Plot plot{id, x_label, y_label, {}, {}, {}};
   const bool several = runs.size() > 1;
   for (std::size_t number = 0; number < runs.size(); ++number) {
@@ -80,7 +91,7 @@ Plot plot_of_tests(const Runs& runs, const std::string& id, const std::string& x
       if (!table.has(y.column) || !run.history.has(x.column) || !run.history.has("test")) continue;
       for (std::size_t row = 0; row < std::min(run.history.time.size(), table.time.size()); ++row) {
         if (static_cast<std::size_t>(run.history.at("test")[row]) != test) continue;
-        if (shearing_only && run.history.at("shearing")[row] == 0) continue;
+        if (!is_drawn(run.history, row, rows)) continue;
         series.x.push_back(x.factor * run.history.at(x.column)[row]);
         series.y.push_back(y.factor * table.at(y.column)[row]);
       }
@@ -126,11 +137,11 @@ std::string ring_results(const Runs& runs) {
 
 std::string ring_curves(const Runs& runs) {
   return svg_plot(plot_of_tests(runs, "curve-stress-strain", "axial strain [%]", {"strain", 100},
-                                "axial stress [kPa]", {"stress", 1e-3}, false, false)) +
+                                "axial stress [kPa]", {"stress", 1e-3}, false, Rows::all)) +
          svg_plot(plot_of_tests(runs, "curve-force", "compression [mm]", {"compression", 1e3},
-                                "force on the plate [N]", {"force", 1}, false, false)) +
+                                "force on the plate [N]", {"force", 1}, false, Rows::all)) +
          svg_plot(plot_of_tests(runs, "curve-inertia", "time since the test began [ms]", {"test_time", 1e3},
-                                "force not balanced [N]", {"inertia_force", 1}, false, false)) +
+                                "force not balanced [N]", {"inertia_force", 1}, false, Rows::all)) +
          "<p class=\"note\">Force not balanced: of plates, ring and weight; what accelerates the specimen. "
          "It must stay "
          "small beside the force on the plate.</p>\n";
@@ -212,20 +223,56 @@ std::string mohr_coulomb_plot(const Runs& runs) {
 std::string box_curves(const Runs& runs) {
   return svg_plot(plot_of_tests(runs, "curve-shear", "displacement of the lower half [mm]",
                                 {"displacement", 1e3}, "shear stress [kPa]", {"shear_stress", 1e-3}, false,
-                                true)) +
+                                Rows::shearing)) +
          mohr_coulomb_plot(runs) +
          svg_plot(plot_of_tests(runs, "curve-height", "displacement of the lower half [mm]",
                                 {"displacement", 1e3}, "rise of the upper plate [mm]", {"height_change", 1e3},
-                                false, true));
+                                false, Rows::shearing));
+}
+
+std::string pull_results(const Runs& runs) {
+  HtmlTable table{"pull-out-table",
+                  "",
+                  {"Test", "Largest force", "at", "Steady force", "Stress of platens", "Pressure on strand",
+                   "F / 2μσwL, platens", "F / 2μσwL, strand"},
+                  {},
+                  false};
+  for (const RunData& run : runs)
+    for (const TestName& test : tests_of(run)) {
+      std::vector<std::string> row{escape_html(label_of(runs, run, test))};
+      for (const char* name :
+           {"peak_force", "displacement_at_peak", "steady_force", "normal_stress", "strand_pressure"})
+        row.push_back(cell(run.summary.results, test.prefix + name));
+      for (const char* name : {"force_over_strip_formula", "force_over_friction_on_strand"}) {
+        const auto found = run.summary.results.find(test.prefix + name);
+        row.push_back(found == run.summary.results.end() ? "–" : format_significant(found->second.value, 3));
+      }
+      table.rows.push_back(std::move(row));
+    }
+  return table.html() +
+         "<p class=\"note\">Steady: mean over the second half of the travel. The last two columns compare "
+         "with friction "
+         "on both faces of a strip, F = 2 μ σ w L, with the stress between the platens for σ, and with the "
+         "normal forces that really press on the strand; L is what is still embedded.</p>\n";
+}
+
+std::string pull_curves(const Runs& runs) {
+  return svg_plot(plot_of_tests(runs, "curve-pull", "displacement of the grip [mm]", {"displacement", 1e3},
+                                "force [N]", {"force", 1}, false, Rows::drawing)) +
+         svg_plot(plot_of_tests(runs, "curve-strand-pressure", "displacement of the grip [mm]",
+                                {"displacement", 1e3}, "pressure on the strand [kPa]",
+                                {"strand_pressure", 1e-3}, false, Rows::drawing)) +
+         svg_plot(plot_of_tests(runs, "curve-platens", "time since the test began [ms]", {"test_time", 1e3},
+                                "stress of the platens [kPa]", {"normal_stress", 1e-3}, false, Rows::all));
 }
 
 /// Terms of the ledger that a specimen has, over the time of each test.
 std::string energies(const Runs& runs) {
   const auto of = [&](const char* id, const char* label, const char* column, double factor) {
     return svg_plot(plot_of_tests(runs, id, "time since the test began [ms]", {"test_time", 1e3}, label,
-                                  {column, factor}, true, false));
+                                  {column, factor}, true, Rows::all));
   };
-  return of("energy-work", "work of plate or box [J]", "external_work", 1) +
+  return of("energy-work", "work of plate, box or grip [J]", "external_work", 1) +
          of("energy-stored", "stored in the infill [J]", "stored_infill", 1) +
          of("energy-dissipated", "dissipated in the infill [J]", "dissipated_infill", 1) +
          of("energy-error", "energy error [%]", "error", 100);
@@ -248,6 +295,17 @@ std::string describe_specimen_rig(const Scene& scene) {
     return fmt::format("Oedometer: {} in a ring of {} mm, {} mm high; plate at {} mm/s{}; {} cycles",
                        escape_html(name), format_input(1e3 * rig.diameter), format_input(1e3 * rig.height),
                        format_input(1e3 * rig.speed), faster, rig.cycles);
+  if (scene.rig.has_strand()) {
+    std::string speeds;
+    for (const double speed : rig.speeds) speeds += (speeds.empty() ? "" : ", ") + format_input(1e3 * speed);
+    return fmt::format(
+        "Pull-out: strand of {} mm in {}, box of {} × {} mm, {} mm high, platens at {} kPa; grip at {} "
+        "mm/s{}",
+        format_input(1e3 * scene.turf.carpet.strand_width), escape_html(name),
+        format_input(1e3 * rig.size[0]), format_input(1e3 * rig.size[1]), format_input(1e3 * rig.height),
+        format_input(1e-3 * rig.normal_stress), speeds,
+        rig.run_speed > 0 ? fmt::format(", run at {} mm/s", format_input(1e3 * rig.run_speed)) : "");
+  }
   return fmt::format("Direct shear: {} in a box of {} × {} mm, {} mm high; lower half at {} mm/s{}",
                      escape_html(name), format_input(1e3 * rig.size[0]), format_input(1e3 * rig.size[1]),
                      format_input(1e3 * rig.height), format_input(1e3 * rig.speed), faster);
@@ -255,7 +313,8 @@ std::string describe_specimen_rig(const Scene& scene) {
 
 std::string report_specimen(const Runs& runs) {
   std::string text;
-  const Runs rings = of_type(runs, true), boxes = of_type(runs, false);
+  const Runs rings = of_type(runs, "oedometer"), boxes = of_type(runs, "direct_shear"),
+             pulls = of_type(runs, "pull_out");
   if (!rings.empty()) {
     text += html_section("results", "Compression", ring_results(rings));
     text += html_section("curves", "Stress against strain", ring_curves(rings));
@@ -263,6 +322,10 @@ std::string report_specimen(const Runs& runs) {
   if (!boxes.empty()) {
     text += html_section("shear-results", "Direct shear", box_results(boxes));
     text += html_section("shear-curves", "Shear stress against displacement", box_curves(boxes));
+  }
+  if (!pulls.empty()) {
+    text += html_section("pull-out-results", "Pull-out", pull_results(pulls));
+    text += html_section("pull-out-curves", "Force against displacement", pull_curves(pulls));
   }
   return text + html_section("energy", "Energy balance", energies(runs));
 }

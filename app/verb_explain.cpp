@@ -6,6 +6,7 @@
 #include "app/text_table.h"
 #include "app/verbs.h"
 #include "rigs/run.h"
+#include "rigs/schedule.h"
 
 namespace tuft::app {
 namespace {
@@ -44,9 +45,12 @@ std::string steps_table(const Scene& scene, const rigs::RunPlan& plan) {
   add_alone("  fibres alone", plan.fibre_step);
   table.add({"infill", format_quantity(plan.infill_step, "s"),
              format_count(static_cast<std::uint64_t>(plan.infill_substeps))});
-  const Conditioning& c = scene.conditioning;
+  const rigs::Schedule schedule = rigs::make_schedule(scene);
   const std::string before =
-      c.on() ? format_quantity(c.press_time + c.lift_time + c.settle_time, "s") + " of conditioning, " : "";
+      scene.conditioning.on()
+          ? format_quantity(static_cast<double>(schedule.conditioned()) * schedule.interval, "s") +
+                (scene.conditioning.presses > 1 ? " of conditioning at most, " : " of conditioning, ")
+          : "";
   return table.text() + fmt::format("  {} windows: {}{} of settling, then {} of the drop\n",
                                     format_count(plan.windows), before,
                                     format_quantity(scene.numerics.settle_time, "s"),
@@ -75,12 +79,13 @@ void explain_component(const Scene& scene, const rigs::RunPlan& plan) {
 /// Of a rig that tests infill alone.
 void explain_specimen(const Scene& scene, const rigs::RunPlan& plan) {
   const SpecimenRig& rig = scene.rig.specimen;
-  const bool ring = scene.rig.type == "oedometer";
-  fmt::print("{} ({}, SPH infill)\n\nEffects\n{}", scene.info.name, scene.rig.type, effects_table(plan));
-  TextTable tests({"", ring ? "preload" : "normal stress"});
-  for (std::size_t i = 0; i < (ring ? rig.preloads : rig.normal_stresses).size(); ++i)
-    tests.add({fmt::format("test {}", i + 1),
-               ring ? format_quantity(rig.preloads[i], "N") : format_quantity(rig.normal_stresses[i], "Pa")});
+  const bool ring = scene.rig.type == "oedometer", pull = scene.rig.has_strand();
+  fmt::print("{} ({}, {} infill)\n\nEffects\n{}", scene.info.name, scene.rig.type,
+             scene.infill.approach == Approach::sph ? "SPH" : "DEM", effects_table(plan));
+  TextTable tests({"", ring ? "preload" : pull ? "speed" : "normal stress"});
+  const std::vector<double>& values = ring ? rig.preloads : pull ? rig.speeds : rig.normal_stresses;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    tests.add({fmt::format("test {}", i + 1), format_quantity(values[i], ring ? "N" : pull ? "m/s" : "Pa")});
   TextTable sizes;
   sizes.add({"material", scene.materials.at(static_cast<std::size_t>(rig.material)).name});
   sizes.add(
@@ -88,6 +93,11 @@ void explain_specimen(const Scene& scene, const rigs::RunPlan& plan) {
                                       format_quantity(rig.height, "m"))
                         : fmt::format("{} x {}, {} high", format_quantity(rig.size[0], "m"),
                                       format_quantity(rig.size[1], "m"), format_quantity(rig.height, "m"))});
+  if (pull)
+    sizes.add(
+        {"strand", fmt::format("{} wide, {} embedded", format_quantity(scene.turf.carpet.strand_width, "m"),
+                               rig.embedded_length > 0 ? format_quantity(rig.embedded_length, "m")
+                                                       : "all through the box")});
   sizes.add({"particles", format_count(plan.particles)});
   sizes.add({"step at first", format_quantity(plan.window, "s")});
   sizes.add({"steps, about", format_count(plan.windows)});

@@ -131,11 +131,20 @@ void check_pairs(const Scene& scene, const Places& places) {
 }
 
 void complete_contact(DemOptions& dem, const CleggRig& rig, const Places& places) {
-  if (dem.contact == GrainContact::hooke) {
+  const DemOptions defaults;
+  const auto only_plastic = [&](const char* key, double given, double otherwise) {
+    if (dem.contact != GrainContact::hooke_hysteresis && given != otherwise)
+      places.fail(fmt::format("infill.dem.{}", key),
+                  "is for contact = \"hooke_hysteresis\"; leave it out, or choose that");
+  };
+  only_plastic("unloading_ratio", dem.unloading_ratio, defaults.unloading_ratio);
+  only_plastic("plastic_depth", dem.plastic_depth, defaults.plastic_depth);
+  only_plastic("adhesion_ratio", dem.adhesion_ratio, defaults.adhesion_ratio);
+  if (dem.contact != GrainContact::hertz) {
     if (dem.characteristic_velocity == 0) dem.characteristic_velocity = rig.speed;
   } else if (dem.characteristic_velocity != 0) {
     places.fail("infill.dem.characteristic_velocity",
-                "is for contact = \"hooke\"; leave it out, or choose that");
+                "is for contact = \"hooke\" or \"hooke_hysteresis\"; leave it out, or choose one of them");
   }
 }
 

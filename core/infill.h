@@ -5,7 +5,9 @@
 /// Time convention (leapfrog, the same as the carpet's central differences): at the start of window k
 /// positions stand at t_k and velocities at t_k - dt/2. `advance` evaluates the infill's own forces at t_k,
 /// kicks to t_k + dt/2 under them and the contact impulse of the window, and drifts positions to t_k + dt.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -36,7 +38,7 @@ struct ParticleView {
   std::span<const double> x, y, z;     ///< position, m
   std::span<const double> vx, vy, vz;  ///< velocity, m/s
   std::span<const double> wx, wy, wz;  ///< spin, rad/s; empty where particles have none (SPH)
-  std::span<const double> radius;      ///< contact radius, m
+  std::span<const double> radius;      ///< contact radius, m; sideways where half_height is not empty
   std::span<const double> mass;        ///< kg
   std::span<const Index> layer;        ///< index into Scene::turf.layers
   /// Index into Scene::materials of what touches others (a grain of a mixture layer is sand or SBR; an SPH
@@ -45,8 +47,27 @@ struct ParticleView {
   /// 1: has left the turf and takes no part any more (Expelled). Empty where none has.
   std::span<const std::uint8_t> expelled;
   ParticleKicks kicks{};  ///< of the window that `begin_window` has announced
+  /// Contact radius upwards and downwards, m; empty where that is `radius`. An SPH particle stands for a cell
+  /// of its lattice, whose rows are as high as it takes for whole ones to fill a layer.
+  std::span<const double> half_height{};
 
   [[nodiscard]] bool is_expelled(std::size_t i) const { return !expelled.empty() && expelled[i] != 0; }
+  [[nodiscard]] double radius_upwards(std::size_t i) const {
+    return half_height.empty() ? radius[i] : half_height[i];
+  }
+  /// Contact radius along a unit normal: of the ellipsoid with these half axes.
+  [[nodiscard]] double radius_along(std::size_t i, const Vec3& normal) const {
+    if (half_height.empty() || half_height[i] == radius[i]) return radius[i];
+    const double up = normal.z() * normal.z();
+    return std::sqrt(radius[i] * radius[i] * (1 - up) + half_height[i] * half_height[i] * up);
+  }
+  [[nodiscard]] double largest_radius(std::size_t i) const { return std::max(radius[i], radius_upwards(i)); }
+  /// Radius of the sphere with the volume of that ellipsoid.
+  [[nodiscard]] double mean_radius(std::size_t i) const {
+    return half_height.empty() || half_height[i] == radius[i]
+               ? radius[i]
+               : std::cbrt(radius[i] * radius[i] * half_height[i]);
+  }
   [[nodiscard]] std::size_t size() const { return x.size(); }
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }

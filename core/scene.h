@@ -274,8 +274,9 @@ struct GrainPair {
   std::optional<double> cohesion_energy_density = {};  ///< J/m^3, >= 0
 };
 
-/// Normal and tangential springs of grains: stiffening with overlap (Hertz, Mindlin), or constant (Hooke).
-enum class GrainContact { hertz, hooke };
+/// Normal and tangential springs of grains: stiffening with overlap (Hertz, Mindlin), constant (Hooke), or
+/// constant and plastic (dem_bridge/hooke_hysteresis.h).
+enum class GrainContact { hertz, hooke, hooke_hysteresis };
 /// Rolling resistance: an elastic-plastic spring (epsd2), or a constant torque against rolling (cdt).
 enum class RollingModel { epsd2, cdt };
 
@@ -283,9 +284,13 @@ struct DemOptions {
   double coarse_graining = 1;  ///< >= 1, scales diameters; material properties kept (docs/theory/dem.md)
   std::map<std::string, double> material_coarse_graining;  ///< own factor for a grain material, by name
   GrainContact contact = GrainContact::hertz;
-  /// m/s, > 0 with Hooke, 0 with Hertz: two grains meeting at it overlap as much as under Hertz's law. The
-  /// reader makes it the missile's speed where a scene leaves it out.
+  /// m/s, > 0 with Hooke (plastic or not), 0 with Hertz: two grains meeting at it overlap as much as under
+  /// Hertz's law. The reader makes it the missile's speed where a scene leaves it out.
   double characteristic_velocity = 0;
+  // Of hooke_hysteresis, see dem_bridge/hooke_hysteresis.h and docs/conditioning.md for where they come from.
+  double unloading_ratio = 3;  ///< > 1: stiffness of unloading and loading again over that of first loading
+  double plastic_depth = 0.3;  ///< > 0: the deepest dent, over twice the effective radius
+  double adhesion_ratio = 1;   ///< >= 0: stiffness of the pull that parts dented grains over that of loading
   RollingModel rolling = RollingModel::epsd2;
   std::vector<GrainPair> pairs;
   std::string host;             ///< path of liggghts_host; empty: beside the program
@@ -311,15 +316,32 @@ enum class ConditionedState {
   compacted   ///< as if the law had been pressed beyond that density and released
 };
 
+/// A studded cylinder that rolls over the patch along x, as test turf is prepared. Assumed, all of it, after
+/// the hand-drawn studded rollers of laboratories; no standard was at hand.
+struct ConditioningRoller {
+  double diameter = 0.118;      ///< m, of the cylinder
+  int studs_around = 12;        ///< on its circumference; 0: a smooth roller
+  double stud_spacing = 0.03;   ///< m between rings of studs along the axis, each turned by half a spacing
+  double stud_length = 0.012;   ///< m, beyond the cylinder
+  double stud_diameter = 0.01;  ///< m, of the round tips
+  double speed = 1;             ///< m/s
+  int passes = 3;               ///< to and fro in turn; each comes deeper, the last to the depth asked for
+};
+
 /// What the turf goes through before the rig is released.
 struct Conditioning {
-  std::string method = "none";  ///< none | compaction
+  std::string method = "none";  ///< none | compaction | roller
   // Published (Bustamante et al. 2024): a plate presses by 6 mm in 110 ms, is lifted, the infill settles; at
   // 140 ms it is made deformable. Assumed: the share of lifting in those 30 ms.
   double depth = 0.006;        ///< m below the infill's surface as placed, to which the plate comes
   double press_time = 0.110;   ///< s in which the plate comes down from the tips of the fibres
   double lift_time = 0.020;    ///< s in which it goes back up
   double settle_time = 0.010;  ///< s under gravity, the plate gone
+  /// More than 1: the plate comes again, deeper by what is missing, until the bed stays at `depth` below the
+  /// surface as placed within `tolerance`, at most so often. Each time is followed by settle_time.
+  int presses = 1;
+  double tolerance = 0.0005;  ///< m
+  ConditioningRoller roller;
   /// Over the edge of the cube that an SPH particle fills. Measured: with 0.96 a bed can be pressed by 6 of
   /// 50 mm and stays pressed (docs/conditioning.md).
   double sphere_diameter = 0.96;
@@ -366,8 +388,9 @@ enum class ShearStrainBasis { length, height };
 
 /// Tests of infill alone between rigid walls, a fresh specimen for each load of a list: `oedometer`
 /// (one-dimensional compression in a ring, loaded and unloaded in cycles at constant speed of the upper
-/// plate) and `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
-/// load).
+/// plate), `direct_shear` (a box in two halves, the lower of which is driven under a constant normal
+/// load) and `pull_out` (a strand of the carpet drawn out of a box between two platens that were pressed
+/// together).
 struct SpecimenRig {
   Index material = 0;         ///< index into Scene::materials
   double height = 0;          ///< m; 0: 12.7 mm in the ring, 19.5 mm in the box
@@ -389,18 +412,28 @@ struct SpecimenRig {
   double platen_friction = 1;  ///< of the infill on the plates above and below
   double yield_strain = 0.12;  ///< shear strain at which the yield is read
   ShearStrainBasis strain_basis = ShearStrainBasis::length;
+
+  std::vector<double> speeds{1e-3, 10e-3};  ///< m/s, of the grip that draws the strand, a test each
+  double run_speed = 0;  ///< m/s, at which tests are run, friction being that of `speeds`; 0: each at its own
+  double normal_stress = 100e3;  ///< Pa, to which the platens are pressed together, and then held
+  double embedded_length = 0;    ///< m, of the strand, from its free end; 0: it passes through the whole box
+  double travel = 5e-3;          ///< m, of the grip, at which a test ends
 };
 
 struct Rig {
   std::string type = "clegg";
   CleggRig clegg;
   TensionRig tension;    ///< of the types strand_tension and backing_tension
-  SpecimenRig specimen;  ///< of the types oedometer and direct_shear
+  SpecimenRig specimen;  ///< of the types oedometer, direct_shear and pull_out
 
   /// A rig that tests the carpet's material alone: no patch, no infill, no settling.
   [[nodiscard]] bool is_component() const { return type == "strand_tension" || type == "backing_tension"; }
-  /// A rig that tests infill alone: no carpet, no patch, no settling.
-  [[nodiscard]] bool is_specimen() const { return type == "oedometer" || type == "direct_shear"; }
+  /// A rig that tests infill between rigid walls: no carpet but one strand where has_strand(), no patch, no
+  /// settling.
+  [[nodiscard]] bool is_specimen() const {
+    return type == "oedometer" || type == "direct_shear" || has_strand();
+  }
+  [[nodiscard]] bool has_strand() const { return type == "pull_out"; }
 };
 
 enum class Switch { off, on, automatic };

@@ -149,7 +149,7 @@ void describe_effects(KeyVisitor& keys, Effects& effects);
 /// What a rig loads: a filled carpet, the carpet's material alone, infill alone.
 enum class RigKind { turf, component, specimen };
 void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind);
-void describe_output(KeyVisitor& keys, Output& output);
+void describe_output(KeyVisitor& keys, Output& output, RigKind kind);
 /// Everything of a point test but its materials.
 void describe_point_test(KeyVisitor& keys, PointTest& test);
 

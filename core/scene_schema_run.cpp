@@ -8,9 +8,9 @@ namespace {
 constexpr std::string_view approaches[] = {"sph", "dem"};
 constexpr std::string_view presets[] = {"accurate", "fast", "paper", "specimen", "custom"};
 constexpr std::string_view kernels[] = {"cubic_spline", "wendland_c2"};
-constexpr std::string_view rigs[] = {"clegg", "strand_tension", "backing_tension", "oedometer",
-                                     "direct_shear"};
-constexpr std::string_view grain_contacts[] = {"hertz", "hooke"};
+constexpr std::string_view rigs[] = {"clegg",     "strand_tension", "backing_tension",
+                                     "oedometer", "direct_shear",   "pull_out"};
+constexpr std::string_view grain_contacts[] = {"hertz", "hooke", "hooke_hysteresis"};
 constexpr std::string_view rolling_models[] = {"epsd2", "cdt"};
 constexpr std::string_view strip_directions[] = {"along", "across"};
 constexpr std::string_view strain_bases[] = {"length", "height"};
@@ -23,7 +23,8 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
   keys.choice(
       {"preset",
        "accurate: Wendland C2, h = 1.3 pitch; fast: cubic spline, h = pitch; paper: cubic spline, h = 0.71 "
-       "pitch; specimen (of oedometer and direct_shear where left out): cubic spline, h = 0.9 pitch; custom"},
+       "pitch; specimen (of oedometer, direct_shear and pull_out where left out): cubic spline, h = 0.9 "
+       "pitch; custom"},
       sph.preset, presets);
   keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
   keys.quantity({"smoothing_length", "h, half the kernel's support; left out: by the preset"},
@@ -43,11 +44,22 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
               dem.coarse_graining, at_least_one);
   keys.numbers_by_name({"material_coarse_graining", "own factor of a grain material, by its name"},
                        dem.material_coarse_graining, at_least_one);
-  keys.enumeration({"contact", "springs of contacts: hertz (stiffen with overlap), hooke (constant)"},
-                   dem.contact, grain_contacts);
+  keys.enumeration(
+      {"contact",
+       "springs of contacts: hertz (stiffen with overlap), hooke (constant), hooke_hysteresis (plastic: "
+       "grains keep dents)"},
+      dem.contact, grain_contacts);
   keys.quantity({"characteristic_velocity",
-                 "hooke: two grains meeting at it overlap as under Hertz's law; 0: the missile's speed"},
+                 "hooke, hooke_hysteresis: two grains meeting at it overlap as under Hertz's law; 0: the "
+                 "missile's speed"},
                 dem.characteristic_velocity, "m/s", non_negative);
+  keys.number(
+      {"unloading_ratio", "hooke_hysteresis: stiffness of unloading and reloading over first loading"},
+      dem.unloading_ratio, {1, unbounded, true, false});
+  keys.number({"plastic_depth", "hooke_hysteresis: deepest dent over twice the effective radius"},
+              dem.plastic_depth, positive);
+  keys.number({"adhesion_ratio", "hooke_hysteresis: stiffness of the pull on parting over first loading"},
+              dem.adhesion_ratio, non_negative);
   keys.enumeration(
       {"rolling", "effect rolling_resistance: epsd2 (elastic-plastic spring), cdt (constant torque)"},
       dem.rolling, rolling_models);
@@ -111,21 +123,38 @@ void describe_tension(KeyVisitor& keys, TensionRig& tension, bool of_backing) {
       tension.mass_factor, at_least_one);
 }
 
-void describe_specimen(KeyVisitor& keys, SpecimenRig& specimen, bool ring, bool box) {
-  keys.material(required("material", "oedometer, direct_shear: the infill that is tested"),
+void describe_pull_out(KeyVisitor& keys, SpecimenRig& specimen) {
+  keys.quantity_list({"speeds", "pull_out: of the grip that draws the strand, a test each"}, specimen.speeds,
+                     "m/s", positive);
+  keys.quantity({"run_speed",
+                 "pull_out: all tests run at this speed, with the friction of their own; 0: each at its own"},
+                specimen.run_speed, "m/s", non_negative);
+  keys.quantity({"normal_stress", "pull_out: to which the platens are pressed together before they are held"},
+                specimen.normal_stress, "Pa", positive);
+  keys.quantity({"embedded_length", "pull_out: of the strand, from its free end; 0: through the whole box"},
+                specimen.embedded_length, "m", non_negative);
+  keys.quantity({"travel", "pull_out: of the grip, at which a test ends"}, specimen.travel, "m", positive);
+}
+
+void describe_specimen(KeyVisitor& keys, SpecimenRig& specimen, bool ring, bool box, bool pull) {
+  keys.material(required("material", "oedometer, direct_shear, pull_out: the infill that is tested"),
                 specimen.material);
-  keys.quantity({"height", "specimen: height as placed; 0: 12.7 mm in the ring, 19.5 mm in the box"},
-                specimen.height, "m", non_negative);
   keys.quantity(
-      {"speed", "specimen: of the upper plate (0: 1 mm/s) or the lower half of the box (0: 0.1 mm/s)"},
-      specimen.speed, "m/s", non_negative);
-  keys.number(
-      {"speed_factor", "specimen: tests run so many times faster; inertia_share says what is allowed"},
-      specimen.speed_factor, at_least_one);
+      {"height", "specimen: height as placed; 0: 12.7 mm in the ring, 19.5 mm in shear, 20 mm in pull_out"},
+      specimen.height, "m", non_negative);
+  if (ring || box) {
+    keys.quantity(
+        {"speed", "specimen: of the upper plate (0: 1 mm/s) or the lower half of the box (0: 0.1 mm/s)"},
+        specimen.speed, "m/s", non_negative);
+    keys.number(
+        {"speed_factor", "specimen: tests run so many times faster; inertia_share says what is allowed"},
+        specimen.speed_factor, at_least_one);
+  }
   keys.number({"wall_friction", "specimen: friction of the infill on ring or side walls"},
               specimen.wall_friction, non_negative);
   keys.quantity(
-      {"sample_travel", "specimen: travel between rows at full speed; 0: 2 um in the ring, 10 um in the box"},
+      {"sample_travel",
+       "specimen: travel between rows at full speed; 0: 2 um in the ring, 10 um in shear, 20 um in pull_out"},
       specimen.sample_travel, "m", non_negative);
   keys.integer({"frame_rows", "specimen: rows between frames"}, specimen.frame_rows, {1, 1e9, false, false});
   keys.integer({"checkpoint_rows", "specimen: rows between checkpoints"}, specimen.checkpoint_rows,
@@ -138,16 +167,21 @@ void describe_specimen(KeyVisitor& keys, SpecimenRig& specimen, bool ring, bool 
     keys.quantity({"seating_force", "oedometer: force at which unloading ends"}, specimen.seating_force, "N",
                   positive);
   }
+  if (box || pull) {
+    keys.quantities({"size", "direct_shear, pull_out: the box, along what is moved and across"},
+                    specimen.size, "m", positive);
+    keys.quantity(
+        {"load_time", "direct_shear, pull_out: time in which the normal load rises, and again is held"},
+        specimen.load_time, "s", positive);
+    keys.number(
+        {"platen_friction", "direct_shear, pull_out: friction of the infill on the plates above and below"},
+        specimen.platen_friction, non_negative);
+  }
+  if (pull) describe_pull_out(keys, specimen);
   if (box) {
-    keys.quantities({"size", "direct_shear: the box, along the shearing and across"}, specimen.size, "m",
-                    positive);
     keys.quantity_list(
         {"normal_stresses", "direct_shear: load on the upper plate over the box's area, a test each"},
         specimen.normal_stresses, "Pa", positive);
-    keys.quantity({"load_time", "direct_shear: time in which the normal load rises, and again is held"},
-                  specimen.load_time, "s", positive);
-    keys.number({"platen_friction", "direct_shear: friction of the infill on the plates above and below"},
-                specimen.platen_friction, non_negative);
     keys.number({"yield_strain", "direct_shear: shear strain at which the yield is read and the test ends"},
                 specimen.yield_strain, {0, 0.5, true, false});
     keys.enumeration(
@@ -171,7 +205,8 @@ void describe_rig(KeyVisitor& keys, Rig& rig) {
     describe_tension(keys, rig.tension, rig.type == "backing_tension" || keys.of_all_rigs());
   if (rig.is_specimen() || keys.of_all_rigs())
     describe_specimen(keys, rig.specimen, rig.type == "oedometer" || keys.of_all_rigs(),
-                      rig.type == "direct_shear" || keys.of_all_rigs());
+                      rig.type == "direct_shear" || keys.of_all_rigs(),
+                      rig.has_strand() || keys.of_all_rigs());
 }
 
 void describe_effects(KeyVisitor& keys, Effects& effects) {
@@ -233,11 +268,13 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
   keys.integer({"threads", "0: all cores"}, numerics.threads, {0, 4096, false, false});
 }
 
-void describe_output(KeyVisitor& keys, Output& output) {
-  keys.quantity({"frames", "time between frames"}, output.frames, "s", positive);
-  keys.quantity({"histories", "time between rows of histories"}, output.histories, "s", positive);
-  keys.quantity({"checkpoint_every", "time between checkpoints; 0: only at the end and on interruption"},
-                output.checkpoint_every, "s", non_negative);
+void describe_output(KeyVisitor& keys, Output& output, RigKind kind) {
+  if (kind == RigKind::turf) {
+    keys.quantity({"frames", "time between frames"}, output.frames, "s", positive);
+    keys.quantity({"histories", "time between rows of histories"}, output.histories, "s", positive);
+    keys.quantity({"checkpoint_every", "time between checkpoints; 0: only at the end and on interruption"},
+                  output.checkpoint_every, "s", non_negative);
+  }
   keys.table({"micro", "contacts and coarse-grained fields with each frame"}, [&](KeyVisitor& inside) {
     inside.flag({"contacts", "record the contact network, its statistics and spins"}, output.micro.contacts);
     inside.flag({"fields", "record density, velocity, stress and porosity on a grid"}, output.micro.fields);

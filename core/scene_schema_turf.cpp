@@ -182,17 +182,39 @@ void describe_mesh_file(KeyVisitor& keys, CarpetMeshFile& mesh) {
             mesh.content);
 }
 
+void describe_roller(KeyVisitor& keys, ConditioningRoller& roller) {
+  keys.quantity({"diameter", "of the cylinder"}, roller.diameter, "m", positive);
+  keys.integer({"studs_around", "studs on the circumference; 0: none"}, roller.studs_around,
+               {0, 100, false, false});
+  keys.quantity({"stud_spacing", "between rings of studs along the axis"}, roller.stud_spacing, "m",
+                positive);
+  keys.quantity({"stud_length", "of studs beyond the cylinder"}, roller.stud_length, "m", positive);
+  keys.quantity({"stud_diameter", "of the studs' round tips"}, roller.stud_diameter, "m", positive);
+  keys.quantity({"speed", "of rolling"}, roller.speed, "m/s", positive);
+  keys.integer({"passes", "to and fro in turn, the last to conditioning.depth"}, roller.passes,
+               {1, 1000, false, false});
+}
+
 void describe_conditioning(KeyVisitor& keys, Conditioning& conditioning) {
-  static constexpr std::string_view methods[] = {"none", "compaction"};
+  static constexpr std::string_view methods[] = {"none", "compaction", "roller"};
   static constexpr std::string_view states[] = {"auto", "initial", "compacted"};
-  keys.choice({"method", "none; compaction: a plate presses the infill and is lifted"}, conditioning.method,
-              methods);
-  keys.quantity({"depth", "of the plate's lowest place below the infill's surface as placed"},
+  keys.choice({"method",
+               "none; compaction: a plate presses the infill and is lifted; roller: a studded "
+               "cylinder rolls over it (dem)"},
+              conditioning.method, methods);
+  keys.quantity({"depth", "of the plate's or roller's lowest place below the infill's surface as placed"},
                 conditioning.depth, "m", positive);
   keys.quantity({"press_time", "in which the plate comes down from the fibres' tips"},
                 conditioning.press_time, "s", positive);
   keys.quantity({"lift_time", "in which it goes back up"}, conditioning.lift_time, "s", positive);
   keys.quantity({"settle_time", "gravity settling after it"}, conditioning.settle_time, "s", non_negative);
+  keys.integer(
+      {"presses", "largest number; above 1: again, deeper by what is missing, until the bed stays at depth"},
+      conditioning.presses, {1, 1000, false, false});
+  keys.quantity({"tolerance", "presses above 1: how far above depth the bed may stay"},
+                conditioning.tolerance, "m", positive);
+  keys.table({"roller", "the cylinder of method = \"roller\""},
+             [&](KeyVisitor& inside) { describe_roller(inside, conditioning.roller); });
   keys.number({"sphere_diameter",
                "sph: of the rigid spheres meanwhile, over the edge of the cube that a particle fills"},
               conditioning.sphere_diameter, positive);
@@ -313,7 +335,8 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
       inside.quantity(required("duration", "time to simulate from the release of the rig"),
                       scene.info.duration, "s", positive);
   });
-  if (kind != RigKind::specimen)
+  const bool strand = kind == RigKind::specimen && scene.rig.has_strand();
+  if (kind != RigKind::specimen || strand)
     keys.table({"turf", "carpet, patch and layers"}, [&](KeyVisitor& inside) {
       inside.text({"design", "a file of turfs/; or give [turf.carpet]"}, scene.turf.design);
       if (turf) {
@@ -338,9 +361,9 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
                [&](KeyVisitor& inside) { describe_effects(inside, scene.effects); });
   keys.table({"numerics", "steps and limits"},
              [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics, kind); });
-  if (turf)
+  if (turf || strand)
     keys.table({"output", "what is recorded"},
-               [&](KeyVisitor& inside) { describe_output(inside, scene.output); });
+               [&](KeyVisitor& inside) { describe_output(inside, scene.output, kind); });
 }
 
 }  // namespace tuft::schema

@@ -26,7 +26,8 @@ bool any_stiffens(const std::vector<NormalSpring>& springs) {
 }  // namespace
 
 BodyContact::BodyContact(BodyContactSettings settings)
-    : settings_(std::move(settings)), stiffens_(any_stiffens(settings_.spring)) {}
+    : settings_(std::move(settings)),
+      stiffens_(any_stiffens(settings_.spring) || any_stiffens(settings_.wall_spring)) {}
 
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
@@ -35,7 +36,7 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
     if (!skip.empty() && skip[i] != 0) continue;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (!bodies[b].present) continue;
-      if (surface_point(bodies[b], points.position(i), 0).distance < points.radius[i] + skin)
+      if (surface_point(bodies[b], points.position(i), 0).distance < points.largest_radius(i) + skin)
         keys.push_back(make_key(static_cast<Index>(i), static_cast<Index>(b)));
     }
   }
@@ -45,9 +46,9 @@ void BodyContact::search(const ParticleView& points, const std::vector<RigidBody
   if (!searched_ && keep_overlap) {
     for (std::size_t g = 0; g < keys_.size(); ++g) {
       const Index i = key_point(keys_[g]);
-      const double overlap =
-          points.radius[i] - surface_point(bodies[key_other(keys_[g])], points.position(i), 0).distance;
-      histories_[g].offset = std::sqrt(settings_.spring[i].stiffness) * std::max(0.0, overlap);
+      const RigidBody& body = bodies[key_other(keys_[g])];
+      const double overlap = overlap_of(i, body, points);
+      histories_[g].offset = std::sqrt(spring_of(i, body).stiffness) * std::max(0.0, overlap);
       // Rounding of a lattice against a wall is not an overlap.
       if (overlap > 1e-9 * points.radius[i]) ++initial_overlap_.pairs;
       initial_overlap_.largest = std::max(initial_overlap_.largest, overlap);
@@ -63,10 +64,11 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   ContactHistory& history = histories_[pair];
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
-  const ContactParameters parameters{settings_.spring[i], settings_.damping_ratio[i], tangential_ratio,
+  const ContactParameters parameters{spring_of(i, body), settings_.damping_ratio[i], tangential_ratio,
                                      body.friction.value_or(settings_.friction[i])};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
-  const double overlap = points.radius[i] - surface.distance;
+  const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
+  const double overlap = radius - surface.distance;
   ContactKinematics kinematics;
   const double root = std::sqrt(parameters.spring.stiffness);
   kinematics.overlap = overlap - history.offset / root * release;
@@ -76,7 +78,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
     return result;
   }
   kinematics.normal = surface.normal;
-  result.arm = -points.radius[i] * surface.normal;
+  result.arm = -radius * surface.normal;
   kinematics.velocity = points.velocity(i) + points.spin(i).cross(result.arm) - body.velocity;
   kinematics.closing = -kinematics.velocity.dot(kinematics.normal);
   kinematics.effective_mass = 1.0 / (1.0 / points.mass[i] + body.inverse_mass());
@@ -88,7 +90,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
 }
 
 double BodyContact::overlap_of(Index point, const RigidBody& body, const ParticleView& points) {
-  return points.radius[point] - surface_point(body, points.position(point), 0).distance;
+  const SurfacePoint surface = surface_point(body, points.position(point), 0);
+  return points.radius_along(static_cast<std::size_t>(point), surface.normal) - surface.distance;
 }
 
 BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
@@ -147,11 +150,9 @@ void BodyContact::let_go(Index body, const ParticleView& points, const std::vect
     if (key_other(keys_[g]) != body) continue;
     const Index i = key_point(keys_[g]);
     ContactHistory& history = histories_[g];
-    const NormalSpring& spring = settings_.spring[i];
-    const double distance =
-                     surface_point(bodies[static_cast<std::size_t>(body)], points.position(i), 0).distance,
-                 overlap =
-                     points.radius[i] - distance - history.offset / std::sqrt(spring.stiffness) * release;
+    const NormalSpring& spring = spring_of(i, bodies[static_cast<std::size_t>(body)]);
+    const double overlap = overlap_of(i, bodies[static_cast<std::size_t>(body)], points) -
+                           history.offset / std::sqrt(spring.stiffness) * release;
     if (overlap > 0) energy_.damped += spring.energy(overlap);
     energy_.friction += release_spring(history);
   }
@@ -163,14 +164,14 @@ void BodyContact::replace_springs(std::vector<NormalSpring> springs, const Parti
     const Index i = key_point(keys_[g]);
     const RigidBody& body = bodies[static_cast<std::size_t>(key_other(keys_[g]))];
     ContactHistory& history = histories_[g];
-    const NormalSpring &old = settings_.spring[i], &now = springs[i];
+    const NormalSpring &old = spring_of(i, body), &now = springs[i];
     const double offset = history.offset / std::sqrt(old.stiffness);
-    const double overlap =
-        points.radius[i] - surface_point(body, points.position(i), 0).distance - offset * release;
+    const double overlap = overlap_of(i, body, points) - offset * release;
     if (overlap > 0) energy_.damped += old.energy(overlap) - now.energy(overlap);
     history.offset = offset * std::sqrt(now.stiffness);
   }
   settings_.spring = std::move(springs);
+  settings_.wall_spring.clear();
   stiffens_ = any_stiffens(settings_.spring);
 }
 
@@ -179,9 +180,12 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
                                                   double horizon) const {
   std::vector<double> stiffness(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const NormalSpring& spring = settings_.spring[i];
     // Nothing but the pairs says how far a spring that stiffens is pressed in.
-    stiffness[i] = !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+    const auto most = [this](const NormalSpring& spring) {
+      return !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+    };
+    stiffness[i] = most(settings_.spring[i]);
+    if (!settings_.wall_spring.empty()) stiffness[i] = std::max(stiffness[i], most(settings_.wall_spring[i]));
   }
   if (!stiffens_) return stiffness;
   for (const PairKey key : keys_) {
@@ -189,8 +193,9 @@ std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
     const RigidBody& body = bodies[static_cast<std::size_t>(key_other(key))];
     const SurfacePoint surface = surface_point(body, points.position(i), 0);
     const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
-    const double overlap = points.radius[i] - surface.distance + horizon * std::max(0.0, closing);
-    if (overlap > 0) stiffness[i] = std::max(stiffness[i], settings_.spring[i].tangent(overlap));
+    const double overlap = points.radius_along(static_cast<std::size_t>(i), surface.normal) -
+                           surface.distance + horizon * std::max(0.0, closing);
+    if (overlap > 0) stiffness[i] = std::max(stiffness[i], spring_of(i, body).tangent(overlap));
   }
   return stiffness;
 }

@@ -15,6 +15,8 @@ struct BodyContactSettings {
   std::vector<NormalSpring> spring;   ///< per point
   std::vector<double> damping_ratio;  ///< per point
   std::vector<FrictionLaw> friction;  ///< per point, against bodies that have none of their own
+  /// Per point, at bodies that are upright walls; empty: `spring`.
+  std::vector<NormalSpring> wall_spring{};
 };
 
 /// Impulses on bodies and their tally, one entry a body.
@@ -47,8 +49,8 @@ class BodyContact {
   /// friction.
   void let_go(Index body, const ParticleView& points, const std::vector<RigidBody>& bodies, double release);
 
-  /// From now on points press bodies with other springs. What touching springs held more than their
-  /// successors do is booked as damped.
+  /// From now on points press bodies with other springs, the same at walls. What touching springs held more
+  /// than their successors do is booked as damped.
   void replace_springs(std::vector<NormalSpring> springs, const ParticleView& points,
                        const std::vector<RigidBody>& bodies, double release);
 
@@ -90,6 +92,11 @@ class BodyContact {
                        double ahead, double dt, double release, double release_before);
   /// m, of a point where it stands.
   static double overlap_of(Index point, const RigidBody& body, const ParticleView& points);
+  [[nodiscard]] const NormalSpring& spring_of(Index point, const RigidBody& body) const {
+    const auto i = static_cast<std::size_t>(point);
+    return settings_.wall_spring.empty() || !body.is_upright_wall() ? settings_.spring[i]
+                                                                    : settings_.wall_spring[i];
+  }
   /// Of a point with kicks of its own and a body that cannot move.
   Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                               const std::vector<RigidBody>& bodies, double dt, double release,

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "coupler/conditioned_infill.h"
+#include "coupler/roller.h"
 #include "coupler/settled_packing.h"
 #include "fe_carpet/mesh_import.h"
 
@@ -37,7 +38,7 @@ std::vector<double> node_radii(const fe::ShellMesh& mesh) {
 double top_of(const ParticleView& particles, const fe::NodeView& nodes, std::span<const double> node_radius) {
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < particles.size(); ++i)
-    top = std::max(top, particles.z[i] + particles.radius[i]);
+    top = std::max(top, particles.z[i] + particles.radius_upwards(i));
   for (std::size_t n = 0; n < nodes.z.size(); ++n) top = std::max(top, nodes.z[n] + node_radius[n]);
   constexpr double clearance = 1e-4;
   return top + clearance;
@@ -69,8 +70,7 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
   PointContact result;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[particles.material[i]];
-    const double radius = particles.radius[i];
-    result.stiffness.push_back(penalty_of(scene, effects, material, radius));
+    result.stiffness.push_back(penalty_of(scene, effects, material, particles.mean_radius(i)));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -93,9 +93,26 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
   std::vector<NormalSpring> springs;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
-    const double radius = particles.radius[i];
-    springs.push_back(half_rows ? half_row_spring(material, scene.numerics, radius, soil_effects)
-                                : NormalSpring{penalty_of(scene, effects, material, radius)});
+    const double width = 2 * particles.radius[i], height = particles.radius_upwards(i);
+    springs.push_back(half_rows
+                          ? half_row_spring(material, scene.numerics, width * width, height, soil_effects)
+                          : NormalSpring{penalty_of(scene, effects, material, particles.mean_radius(i))});
+  }
+  return springs;
+}
+
+std::vector<NormalSpring> wall_springs(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                       const ParticleView& particles) {
+  std::vector<NormalSpring> springs;
+  if (scene.numerics.body_contact != BodyContactKind::half_row ||
+      std::ranges::equal(particles.half_height, particles.radius) || particles.half_height.empty())
+    return springs;
+  const sph::SoilEffects soil_effects = sph::soil_effects_of(effects);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
+    springs.push_back(half_row_spring(material, scene.numerics,
+                                      4 * particles.radius[i] * particles.half_height[i], particles.radius[i],
+                                      soil_effects));
   }
   return springs;
 }
@@ -109,17 +126,16 @@ double sph_contact_stiffness(const Material& material, const Numerics& numerics,
   return numerics.contact_stiffness_factor * modulus * 2 * radius;
 }
 
-NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                             const sph::SoilEffects& effects) {
-  const double area = 4 * radius * radius;
-  if (material.contact_modulus > 0) return {material.contact_modulus * area / radius};
+NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double area,
+                             double thickness, const sph::SoilEffects& effects) {
+  if (material.contact_modulus > 0) return {material.contact_modulus * area / thickness};
   const double pressure = numerics.contact_pressure,
                modulus = sph::constrained_modulus(*material.continuum, 0, effects),
                growth =
                    (sph::constrained_modulus(*material.continuum, pressure, effects) - modulus) / pressure;
-  NormalSpring spring{modulus * area / radius};
+  NormalSpring spring{modulus * area / thickness};
   if (!(growth > 0)) return spring;
-  spring.stiffening = growth / radius;
+  spring.stiffening = growth / thickness;
   spring.end = std::log1p(growth * pressure / modulus) / spring.stiffening;
   return spring;
 }
@@ -211,14 +227,20 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   const ParticleView particles = parts.infill->particles();
   if (scene.conditioning.on()) {
     built.plate = parts.bodies.size();
-    parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+    if (scene.conditioning.method == "roller") {
+      const std::vector<RigidBody> roller = Roller(scene).bodies();
+      parts.bodies.insert(parts.bodies.end(), roller.begin(), roller.end());
+    } else {
+      parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
+    }
   }
   const PointContact contact = particle_contact(scene, request.effects, particles);
   parts.particle_shell.stiffness = contact.stiffness;
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
   parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
-                         contact.damping_ratio, contact.body_friction};
+                         contact.damping_ratio, contact.body_friction,
+                         wall_springs(scene, request.effects, particles)};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)

@@ -35,7 +35,7 @@ struct BuiltSimulation {
   const dem::DemInfill* dem = nullptr;   ///< the simulation's infill when it is DEM
   sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
-  std::size_t plate = 0;  ///< body of conditioning, behind the rig's; 0: the scene has none
+  std::size_t plate = 0;  ///< first body of conditioning, behind the rig's; 0: the scene has none
   double packing_seconds = 0;
   bool packing_from_cache = false;
 };
@@ -58,13 +58,18 @@ struct BuiltSimulation {
                                                      const std::vector<EffectDecision>& effects,
                                                      const ParticleView& particles, bool rigid);
 
+/// The same at upright walls, where half rows are as thick as particles are wide; empty where they are the
+/// same.
+[[nodiscard]] std::vector<NormalSpring> wall_springs(const Scene& scene,
+                                                     const std::vector<EffectDecision>& effects,
+                                                     const ParticleView& particles);
+
 /// What an SPH particle presses bodies with where numerics.body_contact is half_row: the infill between its
-/// centre and its face, half a row of thickness r and area (2 r)^2, compressed elastically under the
-/// contact's stress, dF/dD = M(F/(2r)^2) (2r)^2/r. M, the constrained modulus, is taken as straight from no
-/// pressure to numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M
-/// where given.
-[[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double radius,
-                                           const sph::SoilEffects& effects = {});
+/// centre and its face, half a row of thickness h (m) and area A (m^2), compressed elastically under the
+/// contact's stress, dF/dD = M(F/A) A/h. M, the constrained modulus, is taken as straight from no pressure to
+/// numerics.contact_pressure, and constant beyond. A material's contact_modulus stands for M where given.
+[[nodiscard]] NormalSpring half_row_spring(const Material& material, const Numerics& numerics, double area,
+                                           double thickness, const sph::SoilEffects& effects = {});
 
 /// Contact penalty of a particle, N/m, from its material (docs/theory/contact.md):
 /// SPH: factor x constrained modulus at numerics.contact_pressure x particle diameter;

@@ -56,7 +56,11 @@ void measure_densities(const std::vector<double>& ratio, std::span<const Index> 
 }  // namespace
 
 sph::Lattice scene_lattice(const Scene& scene) {
-  return sph::make_lattice(scene.turf, lattice_box(scene), scene.infill.sph.pitch);
+  sph::Lattice lattice = sph::make_lattice(scene.turf, lattice_box(scene), scene.infill.sph.pitch);
+  // Where spheres press the bed its rows are gone, and particles touch as the cubes that the spheres stand
+  // for.
+  if (scene.conditioning.on()) lattice.radius.clear(), lattice.half_height.clear();
+  return lattice;
 }
 
 sph::TurfBox turf_box(const Scene& scene) {
@@ -111,7 +115,7 @@ std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
 
   sph::PlacingRequest placing;
   placing.sphere_radius = sph::sphere_radii(lattice, settings.diameter_ratio);
-  placing.wall_radius = lattice.radius.empty() ? sph::sphere_radii(lattice, 1) : lattice.radius;
+  placing.wall_radius = sph::sphere_radii(lattice, 1);
   placing.box = lattice_box(scene);
   placing.seed = scene.numerics.seed;
   return std::make_unique<sph::SphereInfill>(lattice, scene.materials,

@@ -34,7 +34,7 @@ std::vector<double> layer_tops(const ParticleView& particles, std::array<double,
           static_cast<std::ptrdiff_t>(std::floor((particles.y[i] / size[1] + 0.5) * static_cast<double>(ny)));
       if (cx < 0 || cx >= nx || cy < 0 || cy >= ny) continue;
       double& top = highest[static_cast<std::size_t>(cx * ny + cy)];
-      top = std::max(top, particles.z[i] + particles.radius[i]);
+      top = std::max(top, particles.z[i] + particles.radius_upwards(i));
     }
     std::erase(highest, nothing);
     if (highest.empty()) continue;

@@ -78,7 +78,8 @@ MicroSettings micro_settings(const Scene& scene) {
   settings.contacts = wanted.contacts;
   settings.fields = wanted.fields;
   if (!wanted.fields) return settings;
-  const double floor = scene.turf.carpet.backing_thickness, depth = scene.infill_depth();
+  const double floor = scene.rig.is_specimen() ? 0 : scene.turf.carpet.backing_thickness,
+               depth = scene.infill_depth();
   const Vec3 half(0.5 * scene.turf.size[0], 0.5 * scene.turf.size[1], 0);
   settings.grid = micro::make_grid(Vec3(0, 0, floor) - half,
                                    Vec3(0, 0, floor + (1 + room_above) * depth) + half, wanted.cell);

@@ -38,7 +38,7 @@ double ParticleShellContact::stiffness(Index particle, double radius, Index elem
 }
 
 double ParticleShellContact::contact_radius(std::size_t pair, const ParticleView& particles) const {
-  return particles.radius[key_point(keys_[pair])] * radius_share(key_other(keys_[pair]));
+  return contact_radius(key_point(keys_[pair]), key_other(keys_[pair]), particles);
 }
 
 double ParticleShellContact::find_overlap(std::size_t pair, const Vec3& centre, const ParticleView& particles,

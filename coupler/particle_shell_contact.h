@@ -18,7 +18,7 @@ struct ParticleShellSettings {
   std::vector<double> damping_ratio;  ///< per particle
   std::vector<FrictionLaw> friction;  ///< per particle, against fibre and backing
   /// Contact radius for strands over the particle's radius. The backing bounds the infill from below: what
-  /// lies on it touches with its whole radius.
+  /// lies on it touches with its whole radius, the one downwards.
   double strand_radius_factor = 1;
   /// Largest penalty as a share of the shell's own contact stiffness (fe::Carpet::node_contact_stiffness),
   /// for a particle that covers a whole element; one that covers less, (2r)^2 of the element's area, gets as
@@ -122,8 +122,10 @@ class ParticleShellContact {
 
   void evaluate_pair(std::size_t pair, const Moment& now, Block& block);
   /// How deep the particle is in the surface; returns the distance at which it touches, m.
-  [[nodiscard]] double radius_share(Index surface) const {
-    return surface == fe::ShellMesh::backing_surface ? 1.0 : settings_.strand_radius_factor;
+  [[nodiscard]] double contact_radius(Index particle, Index surface, const ParticleView& particles) const {
+    const auto p = static_cast<std::size_t>(particle);
+    return surface == fe::ShellMesh::backing_surface ? particles.radius_upwards(p)
+                                                     : particles.radius[p] * settings_.strand_radius_factor;
   }
   /// m, of a pair's particle for its surface.
   [[nodiscard]] double contact_radius(std::size_t pair, const ParticleView& particles) const;

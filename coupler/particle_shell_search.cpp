@@ -56,7 +56,8 @@ ParticleShellContact::ParticleShellContact(const fe::ShellMesh& mesh, std::span<
 void ParticleShellContact::search(const ParticleView& particles, const fe::NodeView& nodes, double skin,
                                   bool keep_overlap) {
   double largest_radius = 0;
-  for (const double r : particles.radius) largest_radius = std::max(largest_radius, r);
+  for (std::size_t p = 0; p < particles.size(); ++p)
+    largest_radius = std::max(largest_radius, particles.largest_radius(p));
   const ParticleGrid grid(particles, 2 * (largest_radius + skin));
 
   const std::size_t elements = mesh_.quads.size();
@@ -71,10 +72,9 @@ void ParticleShellContact::search(const ParticleView& particles, const fe::NodeV
       const double thin = 0.5 * mesh_.thickness[e] + skin;
       const Vec3 low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2].cwiseMin(corner[3]));
       const Vec3 high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2].cwiseMax(corner[3]));
-      const double share = radius_share(mesh_.surface[e]);
-      const Vec3 reach = Vec3::Constant(thin + share * largest_radius);
+      const Vec3 reach = Vec3::Constant(thin + largest_radius);
       grid.for_each_in_box(low - reach, high + reach, [&](Index p) {
-        const double touching = particles.radius[p] * share + thin;
+        const double touching = contact_radius(p, mesh_.surface[e], particles) + thin;
         if (particles.is_expelled(static_cast<std::size_t>(p))) return;
         if (closest_point_on_facet(particles.position(p), corner).distance_squared < touching * touching)
           mine.push_back({make_key(p, mesh_.surface[e]), static_cast<Index>(e)});

@@ -45,6 +45,17 @@ SurfacePoint distance_to(const Block& shape, const Vec3& relative) {
   return {depth, normal};
 }
 
+SurfacePoint distance_to(const LyingCylinder& shape, const Vec3& relative) {
+  const double across = std::hypot(relative.x(), relative.z());
+  const Vec3 radial = across > 0 ? Vec3(relative.x() / across, 0, relative.z() / across) : Vec3(0, 0, 1);
+  return {across - shape.radius, radial};
+}
+
+SurfacePoint distance_to(const Ball& shape, const Vec3& relative) {
+  const double distance = relative.norm();
+  return {distance - shape.radius, distance > 0 ? Vec3(relative / distance) : Vec3(0, 0, 1)};
+}
+
 BodyAdvance advance_body(RigidBody& body, const Vec3& impulse, const Vec3& gravity, double window) {
   BodyAdvance result;
   const Vec3 before = body.velocity;

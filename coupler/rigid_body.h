@@ -32,7 +32,17 @@ struct Block {
   Vec3 half{0, 0, 0};  ///< m, half its edges
 };
 
-using Shape = std::variant<HalfSpace, Cylinder, Bore, Block>;
+/// Endless cylinder lying along y, about the axis through the body's position.
+struct LyingCylinder {
+  double radius = 0;  ///< m
+};
+
+/// Ball about the body's position.
+struct Ball {
+  double radius = 0;  ///< m
+};
+
+using Shape = std::variant<HalfSpace, Cylinder, Bore, Block, LyingCylinder, Ball>;
 
 struct SurfacePoint {
   double distance = 0;   ///< m, negative inside
@@ -44,6 +54,8 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Bore& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Block& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const LyingCylinder& shape, const Vec3& relative);
+[[nodiscard]] SurfacePoint distance_to(const Ball& shape, const Vec3& relative);
 
 struct RigidBody {
   std::string name;
@@ -62,6 +74,11 @@ struct RigidBody {
   /// Nothing that contact does moves it.
   [[nodiscard]] bool is_fixed() const { return !(mass < std::numeric_limits<double>::infinity()); }
   [[nodiscard]] bool can_move() const { return driven || !is_fixed(); }
+  /// Normals lie in the plane of the turf everywhere: a tray's wall, a ring.
+  [[nodiscard]] bool is_upright_wall() const {
+    const auto* plane = std::get_if<HalfSpace>(&shape);
+    return plane != nullptr ? plane->normal.z() == 0 : std::holds_alternative<Bore>(shape);
+  }
   [[nodiscard]] double inverse_mass() const { return is_fixed() ? 0.0 : 1.0 / mass; }
 };
 

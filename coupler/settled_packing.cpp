@@ -6,9 +6,8 @@
 #include "coupler/packing_cache.h"
 
 namespace tuft::coupler {
-namespace {
 
-std::vector<dem::ThinQuad> obstacles(const fe::ShellMesh& mesh) {
+std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh) {
   std::vector<dem::ThinQuad> quads;
   quads.reserve(mesh.quads.size());
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
@@ -19,8 +18,6 @@ std::vector<dem::ThinQuad> obstacles(const fe::ShellMesh& mesh) {
   }
   return quads;
 }
-
-}  // namespace
 
 dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                           const fe::ShellMesh& mesh, bool& from_cache,
@@ -34,7 +31,7 @@ dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>&
     if (on_progress) on_progress("packing", done);
   };
   report(0);
-  const std::vector<dem::ThinQuad> quads = obstacles(mesh);
+  const std::vector<dem::ThinQuad> quads = thin_quads(mesh);
   dem::PackingRequest packing;
   packing.size = scene.turf.size;
   packing.floor = scene.turf.carpet.backing_thickness;

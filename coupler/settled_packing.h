@@ -11,6 +11,9 @@
 
 namespace tuft::coupler {
 
+/// The shells of a mesh as obstacles for packing.
+[[nodiscard]] std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh);
+
 /// Packs grains geometrically among the mesh (held still), then lets them come to rest in three stages,
 /// shares of infill.dem.settle_time (1.5 : 6 : 3, PHYSICS section 8): strong drag; 5 g with light drag; 1 g.
 /// The result depends on the scene's turf, grain materials, DEM options, numerics.seed and the program's

@@ -104,6 +104,10 @@ void Simulation::drive_body(std::size_t index, const Vec3& velocity) {
   body.drive = velocity;
 }
 
+void Simulation::drive_carpet(std::span<const std::size_t> nodes, const Vec3& velocity) {
+  for (const std::size_t node : nodes) parts_.carpet->drive(node, velocity);
+}
+
 void Simulation::load_body(std::size_t index, const Vec3& force) {
   RigidBody& body = parts_.bodies.at(index);
   if (body.is_fixed()) throw_run_error("body {} has no mass that a load could move", body.name);
@@ -363,7 +367,8 @@ void Simulation::remember_reference() {
 void Simulation::search(const ParticleView& particles, const fe::NodeView& nodes) {
   particle_shell_.search(particles, nodes, parts_.skin, parts_.release_overlap);
   particle_body_.search(particles, parts_.bodies, parts_.skin, parts_.release_overlap, particles.expelled);
-  node_body_.search(node_points(nodes), parts_.bodies, parts_.skin, parts_.release_overlap, nodes.clamped);
+  if (parts_.nodes_touch_bodies)
+    node_body_.search(node_points(nodes), parts_.bodies, parts_.skin, parts_.release_overlap, nodes.clamped);
   ++searches_;
 }
 

@@ -30,7 +30,9 @@ struct SimulationParts {
   double skin = 0;              ///< m, reach of contact candidates beyond touching
   double energy_scale = 0;      ///< J, see EnergyLedger
   bool release_overlap = true;  ///< effect overlap_release
-  double time = 0;              ///< s at the start
+  bool nodes_touch_bodies =
+      true;         ///< false: the carpet passes through bodies (a strand through a wall's slot)
+  double time = 0;  ///< s at the start
 };
 
 class Simulation {
@@ -59,6 +61,9 @@ class Simulation {
 
   /// Moves a driven body at this velocity (m/s) from the next window on.
   void drive_body(std::size_t body, const Vec3& velocity);
+  /// Moves nodes of the carpet that are held, at this velocity (m/s) from the next window on; see
+  /// fe::Carpet::drive. Their work enters the ledger as external.
+  void drive_carpet(std::span<const std::size_t> nodes, const Vec3& velocity);
   /// Loads a body of finite mass with this force (N) from the next window on.
   void load_body(std::size_t body, const Vec3& force);
 

@@ -39,7 +39,7 @@ double highest(const ParticleView& points, double x, double y, double reach, boo
     const double r = points.radius[i];
     if (points.is_expelled(i)) continue;
     if (std::hypot(points.x[i] - x, points.y[i] - y) > reach + (with_radius ? r : 0)) continue;
-    top = std::max(top, points.z[i] + r);
+    top = std::max(top, points.z[i] + points.radius_upwards(i));
   }
   return top;
 }
@@ -100,7 +100,7 @@ EnergyTerms Simulation::energy_terms() const {
   terms.expelled = infill.expelled;
   terms.conditioning = infill.let_go;
   // Between the parts contact is no work from outside; what it has released is.
-  terms.external_work = external_work_ + contact.released;
+  terms.external_work = external_work_ + contact.released + parts_.carpet->grips().work;
   return terms;
 }
 

@@ -7,6 +7,7 @@
 
 #include "coupler/build_simulation.h"
 #include "coupler/packing_cache.h"
+#include "coupler/settled_packing.h"
 #include "dem_bridge/effective_medium.h"
 #include "fe_carpet/carpet.h"
 #include "sph_infill/specimen_lattice.h"
@@ -34,7 +35,7 @@ std::array<Vec3, 2> grain_box(const SpecimenRoom& room) {
           Vec3(1.5 * room.size[0], 1.5 * room.size[1], 5 * room.height)};
 }
 
-dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room) {
+dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room, const SpecimenStrand* strand) {
   Turf one_layer;
   one_layer.layers = {{room.material, room.height}};
   dem::PackingRequest packing;
@@ -44,18 +45,22 @@ dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room) {
   packing.materials = &scene.materials;
   packing.options = &scene.infill.dem;
   packing.seed = scene.numerics.seed;
+  std::vector<dem::ThinQuad> obstacles;
+  if (strand != nullptr) obstacles = thin_quads(strand->mesh);
+  packing.obstacles = obstacles;
   return dem::pack_grains(packing);
 }
 
 dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
-                           const SpecimenRoom& room) {
-  const PackingCache cache(scene, effects,
-                           fmt::format("{} {:.17g} x {:.17g} x {:.17g} m", room.round ? "ring" : "box",
-                                       room.size[0], room.size[1], room.height));
+                           const SpecimenRoom& room, const SpecimenStrand* strand) {
+  const PackingCache cache(
+      scene, effects,
+      fmt::format("{} {:.17g} x {:.17g} x {:.17g} m{}", room.round ? "ring" : "box", room.size[0],
+                  room.size[1], room.height, strand != nullptr ? strand->description() : ""));
   Specimen loose;
   loose.room = room;
   if (cache.load(loose.grains)) return loose.grains;
-  loose.grains = packed_grains(scene, room);
+  loose.grains = packed_grains(scene, room, strand);
   Scene still = scene;
   // A means to get grains at rest: its energy balance is not a result.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
@@ -64,7 +69,9 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   request.effects = effects;
   request.specimen = &loose;
   request.bodies = container(room);
+  request.strand = strand;
   const auto simulation = build_specimen(request);
+  simulation->freeze_carpet(true);
   come_to_rest(*simulation, scene.infill.dem.settle_time, [](double) {});
   loose.grains.position = positions(simulation->infill());
   cache.store(loose.grains);
@@ -84,9 +91,49 @@ std::vector<NormalSpring> wall_springs(const sph::Lattice& lattice, const std::v
   return springs;
 }
 
+std::unique_ptr<fe::Carpet> carpet_of(const SpecimenStrand* strand) {
+  if (strand == nullptr)
+    return std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
+  fe::CarpetOptions options;
+  options.gravity = gravity;
+  options.section = strand->section;
+  auto carpet = std::make_unique<fe::Carpet>(strand->mesh, std::vector{strand->material}, options);
+  for (const std::size_t node : strand->driven) carpet->drive(node, Vec3(0, 0, 0));
+  return carpet;
+}
+
+void add_strand(SimulationParts& parts, const SpecimenStrand& strand, const PointContact& contact) {
+  parts.particle_shell.stiffness = contact.stiffness;
+  parts.particle_shell.damping_ratio = contact.damping_ratio;
+  parts.particle_shell.friction = contact.fibre_friction;
+  parts.nodes_touch_bodies = false;
+  parts.node_radius.assign(strand.mesh.nodes.size(), 0.5 * strand.mesh.thickness.front());
+  const std::size_t nodes = strand.mesh.nodes.size();
+  parts.node_body = {std::vector<NormalSpring>(nodes, {1.0}), std::vector<double>(nodes, 0),
+                     std::vector<FrictionLaw>(nodes)};
+}
+
+/// Share of its radius with which a particle reaches the strand: the nearest rows just touch it as placed.
+double reach_at_strand(const sph::Lattice& lattice, const SpecimenStrand& strand) {
+  const double height = strand.mesh.nodes.z.front();
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const double z : lattice.position.z) nearest = std::min(nearest, std::abs(z - height));
+  return (nearest - 0.5 * strand.mesh.thickness.front()) / lattice.radius.front();
+}
+
 }  // namespace
 
-Specimen fill_room(const Scene& scene, const std::vector<EffectDecision>& effects, const SpecimenRoom& room) {
+std::string SpecimenStrand::description() const {
+  std::string text = fmt::format(" around {} shells", mesh.quads.size());
+  for (const std::size_t n : {std::size_t{0}, mesh.nodes.size() - 1}) {
+    const Vec3 x = mesh.nodes[n];
+    text += fmt::format(" ({:.17g} {:.17g} {:.17g})", x.x(), x.y(), x.z());
+  }
+  return text + fmt::format(" {:.17g} m thick", mesh.thickness.front());
+}
+
+Specimen fill_room(const Scene& scene, const std::vector<EffectDecision>& effects, const SpecimenRoom& room,
+                   const SpecimenStrand* strand) {
   Specimen specimen;
   specimen.room = room;
   if (scene.infill.approach == Approach::sph) {
@@ -97,7 +144,7 @@ Specimen fill_room(const Scene& scene, const std::vector<EffectDecision>& effect
     specimen.top = room.height + specimen.reach;
     return specimen;
   }
-  specimen.grains = settled_grains(scene, effects, room);
+  specimen.grains = settled_grains(scene, effects, room, strand);
   for (std::size_t i = 0; i < specimen.grains.size(); ++i)
     specimen.top = std::max(specimen.top, specimen.grains.position.z[i] + specimen.grains.radius[i]);
   return specimen;
@@ -135,8 +182,7 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
   } else {
     parts.infill = build_dem(scene, request.effects, specimen.grains, grain_box(specimen.room));
   }
-  parts.carpet =
-      std::make_unique<fe::Carpet>(fe::ShellMesh{}, std::vector<ShellMaterial>{}, fe::CarpetOptions{});
+  parts.carpet = carpet_of(request.strand);
   parts.bodies = request.bodies;
   const ParticleView particles = parts.infill->particles();
   const PointContact contact = particle_contact(scene, request.effects, particles);
@@ -145,6 +191,11 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
     parts.particle_body.spring = wall_springs(specimen.lattice, contact.stiffness);
   else
     for (const double k : contact.stiffness) parts.particle_body.spring.push_back({k});
+  if (request.strand != nullptr) {
+    add_strand(parts, *request.strand, contact);
+    if (scene.infill.approach == Approach::sph)
+      parts.particle_shell.strand_radius_factor = reach_at_strand(specimen.lattice, *request.strand);
+  }
   parts.gravity = gravity;
   parts.numerics = scene.numerics;
   parts.skin = search_skin(scene.infill.approach, particles.radius);

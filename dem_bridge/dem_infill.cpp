@@ -99,6 +99,23 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
                         c < 3 ? "linear" : "angular", i, (*components[c])[i]);
 }
 
+/// A grain that moves on by more than its radius in a step can pass through what it should meet, unseen by
+/// LIGGGHTS.
+void DemInfill::Impl::check_speeds(double step) {
+  const auto vx = array(SharedArrays::velocity_x), vy = array(SharedArrays::velocity_y),
+             vz = array(SharedArrays::velocity_z);
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const double square = vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i], most = grains.radius[i] / step;
+    if (square <= most * most) continue;
+    if (!expelled_mask.empty() && expelled_mask[i] != 0) continue;
+    throw_run_error(
+        "DEM infill at t = {:.9g} s: grain {} of {:.3g} mm radius is {:.3g} m/s fast and moves {:.3g} mm in "
+        "a step of "
+        "{:.3g} us, past what it should touch; lower numerics.step_safety, or see what shot it out",
+        time, i, 1e3 * grains.radius[i], std::sqrt(square), 1e3 * step * std::sqrt(square), 1e6 * step);
+  }
+}
+
 void DemInfill::Impl::take_report(AdvanceReport& report) {
   HostSums& s = sums;
   s.kinetic = s.last_pair_work = s.last_contact_work = s.last_damping_work = 0;
@@ -213,6 +230,7 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   }
   my.largest_step = std::max(my.largest_step, shared.step);
   my.steps += static_cast<std::uint64_t>(substeps);
+  my.check_speeds(shared.step);
   my.exchanging += std::chrono::duration<double>(Clock::now() - begin).count();
   return report;
 }

@@ -38,7 +38,8 @@ struct PackingRequest {
 
 /// Geometric packing: random grains per layer up to the layer's mass, overlaps pushed apart against walls,
 /// obstacles and each other. Deterministic for a seed. Not yet at rest: settle it with dynamics (the coupler
-/// does).
+/// does). Throws InputError for a request that cannot be packed, and for a layer that would hold not a single
+/// grain.
 [[nodiscard]] Grains pack_grains(const PackingRequest& request);
 
 /// Factor on the diameters of a grain material: its own, else that of all.
@@ -56,9 +57,10 @@ struct DemSettings {
 inline constexpr double expulsion_margin = 0.02;
 
 /// Every member that reaches the host throws RunError when it is gone, silent for longer than
-/// DemOptions::answer_timeout, or reports a value that is not finite or a lost grain; the message has the
-/// time and the grain or the host's last words. The host ends with the thread that made this object, at the
-/// latest. The step may change from window to window; set_damping slows spin as well as motion.
+/// DemOptions::answer_timeout, or reports a value that is not finite or a lost grain, and advance() when a
+/// grain moves on by more than its radius in a step; the message has the time and the grain or the host's
+/// last words. The host ends with the thread that made this object, at the latest. The step may change from
+/// window to window; set_damping slows spin as well as motion.
 class DemInfill final : public Infill {
  public:
   /// Starts a host process. Throws RunError when it is missing, does not answer, or reports an error (with

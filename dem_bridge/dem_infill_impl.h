@@ -78,6 +78,7 @@ struct DemInfill::Impl {
   void set_up(const std::string& source_command);
   void start_fresh();
   void send_impulses(const ContactImpulses& contact);
+  void check_speeds(double step);
   /// Adds what the ranks report of a window to the sums, rank by rank.
   void take_report(AdvanceReport& report);
   /// Throws RunError when a grain has been lost to LIGGGHTS, naming it.

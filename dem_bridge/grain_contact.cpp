@@ -62,7 +62,9 @@ double stable_step_of_grain(double radius, double density, Index material, std::
                                              0.5 * radius, 0.5 * mass, options.characteristic_velocity);
     const double restitution = contact_property(options, materials, material, other,
                                                 &GrainMaterial::restitution, &GrainPair::restitution);
-    step = std::min(step, stable_hooke_step(stiffness, mass, restitution));
+    const bool plastic = options.contact == GrainContact::hooke_hysteresis;
+    step = std::min(step,
+                    stable_hooke_step(stiffness, mass, restitution, plastic ? options.unloading_ratio : 1));
   }
   return step;
 }
@@ -79,7 +81,7 @@ double cohesion_over_hooke(Index a, Index b, const std::vector<Material>& materi
 
 void check_cohesion(std::span<const Index> kinds, const std::vector<Material>& materials,
                     const DemOptions& options) {
-  if (options.contact != GrainContact::hooke) return;
+  if (options.contact == GrainContact::hertz) return;
   for (const Index a : kinds)
     for (const Index b : kinds)
       if (const double ratio = cohesion_over_hooke(a, b, materials, options); !(ratio < 1))
@@ -104,7 +106,7 @@ std::vector<std::string> contact_remarks(std::span<const Index> kinds, bool cohe
     for (const Index b : kinds) {
       const double density = cohesion_of(options, materials, a, b);
       if (!cohesion || b < a || !(density > 0)) continue;
-      if (options.contact == GrainContact::hooke) {
+      if (options.contact != GrainContact::hertz) {
         remarks.push_back(
             fmt::format("cohesion of {} makes Hooke's springs softer by up to {:.2g}, and holds nothing "
                         "together: both grow "

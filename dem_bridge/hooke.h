@@ -34,14 +34,17 @@ inline double hooke_contact_time(double stiffness, double mass, double restituti
 }
 
 /// Largest stable step, s, of a grain of `mass` (kg) among equals, central differences with dashpots that see
-/// the velocity half a step before. Twelve contacts, the most that equal spheres have, with normal and
-/// tangential springs k: energies add up to at most sum of k |u_i + r theta_i x n|^2 over both ends of each
-/// contact, which for contacts all around gives omega^2 <= 2 (2/3 12 k r^2 / (2/5 m r^2)) = 40 k/m (spin;
-/// motion alone: 24 k/m). Damping ratio of that mode: that of a pair (omega0^2 = 2 k/m) times omega/omega0.
-/// Stable: omega dt <= 2 (sqrt(1 + z^2) - z).
-inline double stable_hooke_step(double stiffness, double mass, double restitution) {
-  const double omega = std::sqrt(40 * stiffness / mass);
-  const double z = hooke_damping_ratio(restitution) * omega / std::sqrt(2 * stiffness / mass);
+/// the velocity half a step before. Twelve contacts, the most that equal spheres have, with tangential
+/// springs k and normal ones `normal_ratio` = q (>= 1) times as stiff: energies of both ends of a contact add
+/// up to at most q k (u.n)^2 + k |u_t + r theta x n|^2 each, which for contacts all around (sum n n^T = 4)
+/// gives omega^2 <= (8 q + 16) k/m of motion and 2 (2/3 12 k r^2 / (2/5 m r^2)) = 40 k/m of spin; the larger
+/// counts. Dashpots go by k: the damping ratio of that mode is that of a pair (omega0^2 = 2 k/m) times the
+/// largest omega of springs k, over omega and omega0. Stable: omega dt <= 2 (sqrt(1 + z^2) - z).
+inline double stable_hooke_step(double stiffness, double mass, double restitution, double normal_ratio = 1) {
+  const double of_equal_springs = std::sqrt(40 * stiffness / mass);
+  const double omega = std::sqrt(std::max(8 * normal_ratio + 16, 40.0) * stiffness / mass);
+  const double z = hooke_damping_ratio(restitution) * (of_equal_springs / std::sqrt(2 * stiffness / mass)) *
+                   (of_equal_springs / omega);
   return 2 * (std::sqrt(1 + z * z) - z) / omega;
 }
 

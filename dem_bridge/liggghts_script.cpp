@@ -81,9 +81,9 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
                       grains.material.size());
   if (const std::size_t kinds = used_materials(grains).size(); kinds > largest_kinds)
     throw_input_error("DEM infill: {} grain materials; there may be {}: mix fewer", kinds, largest_kinds);
-  if (settings.options.contact == GrainContact::hooke && !(settings.options.characteristic_velocity > 0))
+  if (settings.options.contact != GrainContact::hertz && !(settings.options.characteristic_velocity > 0))
     throw_input_error(
-        "DEM infill: infill.dem.characteristic_velocity is {} m/s; contact = \"hooke\" needs it above 0",
+        "DEM infill: infill.dem.characteristic_velocity is {} m/s; Hooke's contact needs it above 0",
         settings.options.characteristic_velocity);
   for (std::size_t i = 0; i < count; ++i) {
     const Index m = grains.material[i];
@@ -169,11 +169,21 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
                       &GrainPair::restitution);
   text += of_contacts("friction", "coefficientFriction", &GrainMaterial::friction, &GrainPair::friction);
   std::string model = "pair_style gran model hertz tangential history";
-  if (settings.options.contact == GrainContact::hooke) {
+  const DemOptions& options = settings.options;
+  if (options.contact != GrainContact::hertz) {
     text +=
         fmt::format("fix characteristic_velocity all property/global characteristicVelocity scalar {:.17g}\n",
-                    settings.options.characteristic_velocity);
+                    options.characteristic_velocity);
     model = "pair_style gran model hooke tangential history";
+  }
+  if (options.contact == GrainContact::hooke_hysteresis) {
+    const auto of_all = [&](const char* id, const char* property, double value) {
+      text += per_pair(id, property, types, [=](auto, auto) { return value; });
+    };
+    of_all("unloading_ratio", "coefficientMaxElasticStiffness", options.unloading_ratio);
+    of_all("adhesion_ratio", "coefficientAdhesionStiffness", options.adhesion_ratio);
+    of_all("plastic_depth", "coefficientPlasticityDepth", options.plastic_depth);
+    model = "pair_style gran model hooke/hysteresis tangential history";
   }
   if (settings.cohesion) {
     text += of_contacts("cohesion", "cohesionEnergyDensity", &GrainMaterial::cohesion_energy_density,

@@ -107,6 +107,12 @@ std::vector<Grain> draw_layer(const PackingRequest& request, const Layer& layer,
       for (const double diameter : quota_diameters(sizes, mass_of_kind, density))
         grains.push_back({0.5 * diameter, share.material});
   }
+  if (grains.empty())
+    throw_input_error(
+        "packing: a layer of {} that is {:g} mm deep weighs {:.3g} mg, less than half of its smallest grain: "
+        "it "
+        "would hold none; make it deeper, the patch larger, or take less coarse graining",
+        of_layer.name, 1e3 * layer.depth, 1e6 * mass);
   for (std::size_t i = grains.size(); i > 1; --i) std::swap(grains[i - 1], grains[random.below(i)]);
   return grains;
 }

@@ -143,6 +143,7 @@ class Carpet {
   struct GripSums {
     Vec3 impulse{0, 0, 0};  ///< N s
     double exchanged = 0;   ///< N s, sum of the impulses' magnitudes
+    double work = 0;        ///< J, as of the last force evaluation
   };
   [[nodiscard]] GripSums grips() const;
   void set_position(std::size_t node,

@@ -61,7 +61,7 @@ Vec3 Carpet::holding_force(std::size_t node) const {
 }
 
 Carpet::GripSums Carpet::grips() const {
-  return {impl_->grips.impulse, impl_->grips.exchanged};
+  return {impl_->grips.impulse, impl_->grips.exchanged, impl_->grips.work - 0.5 * impl_->grips.last_work};
 }
 
 double Carpet::last_step() const {

@@ -30,7 +30,13 @@ Compaction::Compaction(const Scene& scene, const Schedule& schedule, const coupl
       schedule_(schedule),
       start_(built.simulation->bodies().at(built.plate).position.z()),
       pressed_(coupler::pressed_height(scene)),
-      placed_(depths(built)) {}
+      placed_(depths(built)) {
+  if (scene.conditioning.method == "roller") roller_.emplace(scene);
+}
+
+double Compaction::wanted_depth() const {
+  return scene_->infill_depth() - scene_->conditioning.depth;
+}
 
 std::vector<double> Compaction::depths(const coupler::BuiltSimulation& built) const {
   return coupler::layer_tops(std::as_const(*built.simulation).infill().particles(), scene_->turf.size,
@@ -38,23 +44,49 @@ std::vector<double> Compaction::depths(const coupler::BuiltSimulation& built) co
 }
 
 std::string Compaction::stage(std::uint64_t index) const {
-  if (index <= schedule_.press) return "pressing";
-  if (index <= schedule_.press + schedule_.lift) return "lifting";
-  return index <= schedule_.conditioned() ? "settling" : "";
+  if (index > schedule_.conditioned()) return "";
+  const std::uint64_t in_cycle = index == 0 ? 0 : (index - 1) % schedule_.cycle() + 1;
+  if (in_cycle <= schedule_.press) return roller_ ? "rolling" : "pressing";
+  return in_cycle <= schedule_.press + schedule_.lift ? "lifting" : "settling";
+}
+
+/// Sets the speeds that bring plate or roller where it is at the end of the interval.
+void Compaction::drive(std::uint64_t index, coupler::BuiltSimulation& built) const {
+  coupler::Simulation& simulation = *built.simulation;
+  const std::uint64_t cycle = schedule_.cycle(), press = schedule_.press, at = index % cycle;
+  if (!roller_) {
+    const auto height = [&](std::uint64_t done) {
+      return done <= press ? plate_height(start_, pressed_, done, press)
+                           : plate_height(pressed_, start_, done - press, schedule_.lift);
+    };
+    simulation.drive_body(built.plate, Vec3(0, 0, (height(at + 1) - height(at)) / schedule_.interval));
+    return;
+  }
+  const auto pass = static_cast<int>(index / cycle);
+  const bool last = index + schedule_.rest + 1 >= schedule_.conditioned();
+  for (std::size_t k = 0; k < roller_->size(); ++k) {
+    // After its pass the roller turns and comes down for the next: beside the patch, where nothing is in its
+    // way.
+    const double share = static_cast<double>(at + 1) / static_cast<double>(press);
+    const Vec3 next =
+        at < press ? roller_->place(k, pass, share) : roller_->place(k, last ? pass : pass + 1, last ? 1 : 0);
+    const Vec3 now = simulation.bodies().at(built.plate + k).position;
+    simulation.drive_body(built.plate + k, (next - now) / schedule_.interval);
+  }
+}
+
+void Compaction::take_away(coupler::BuiltSimulation& built) const {
+  const std::size_t count = roller_ ? roller_->size() : 1;
+  for (std::size_t k = built.plate; k < built.plate + count; ++k)
+    if (built.simulation->bodies().at(k).present) built.simulation->remove_body(k);
 }
 
 void Compaction::before_interval(std::uint64_t index, const std::vector<EffectDecision>& effects,
                                  coupler::BuiltSimulation& built) {
   coupler::Simulation& simulation = *built.simulation;
-  const std::uint64_t lifted = schedule_.press + schedule_.lift;
-  if (index < lifted) {
-    const auto height = [&](std::uint64_t at) {
-      return at <= schedule_.press ? plate_height(start_, pressed_, at, schedule_.press)
-                                   : plate_height(pressed_, start_, at - schedule_.press, schedule_.lift);
-    };
-    simulation.drive_body(built.plate, Vec3(0, 0, (height(index + 1) - height(index)) / schedule_.interval));
-  }
-  if (index == lifted) simulation.remove_body(built.plate);
+  const std::uint64_t lifted = schedule_.conditioned() - schedule_.rest;
+  if (index < lifted) drive(index, built);
+  if (index == lifted || index == schedule_.conditioned()) take_away(built);
   if (index != schedule_.conditioned()) return;
   element_steps_ = simulation.carpet().element_steps();
   switched_ = depths(built);
@@ -67,13 +99,33 @@ void Compaction::before_interval(std::uint64_t index, const std::vector<EffectDe
   switched_over_ = true;
 }
 
+/// One press after the other: by how much the bed stays too high is how much deeper the next one goes. Half
+/// of the infill is left above the backing in any case.
+void Compaction::finish_press(const coupler::BuiltSimulation& built) {
+  missing_ = depths(built).back() - wanted_depth();
+  stays_ = missing_ <= scene_->conditioning.tolerance;
+  const double lowest = scene_->turf.carpet.backing_thickness + 0.5 * wanted_depth();
+  if (!stays_) pressed_ = std::max(lowest, pressed_ - missing_);
+}
+
 void Compaction::after_interval(std::uint64_t index, const coupler::BuiltSimulation& built) {
   if (index > schedule_.conditioned()) return;
   const double area = scene_->turf.size[0] * scene_->turf.size[1];
-  plate_force_ = built.simulation->interval_impulse()[built.plate].z() / schedule_.interval;
+  plate_force_ = 0;
+  for (std::size_t k = 0; k < (roller_ ? roller_->size() : 1); ++k)
+    plate_force_ += built.simulation->interval_impulse()[built.plate + k].z() / schedule_.interval;
   largest_pressure_ = std::max(largest_pressure_, plate_force_ / area);
-  if (index == schedule_.press) under_plate_ = depths(built);
-  if (index == schedule_.press + schedule_.lift) lifted_ = depths(built);
+  const std::uint64_t cycle = schedule_.cycle(), at = (index - 1) % cycle + 1;
+  if (at == schedule_.press) under_plate_ = depths(built);
+  if (at == schedule_.press + schedule_.lift) lifted_ = depths(built);
+  if (at != cycle) return;
+  ++presses_;
+  if (repeats()) finish_press(built);
+}
+
+std::uint64_t Compaction::next_index(std::uint64_t index) const {
+  const bool enough = stays_ && index < schedule_.conditioned() && index % schedule_.cycle() == 0;
+  return enough ? schedule_.conditioned() : index;
 }
 
 void Compaction::note_release(const coupler::BuiltSimulation& built) {
@@ -90,7 +142,16 @@ std::map<std::string, Quantity> Compaction::notes() const {
   depth("at_switch", switched_), depth("released", released_);
   if (!released_.empty())
     notes["conditioning_residual_compaction"] = {scene_->infill_depth() - released_.back(), "m"};
-  notes["conditioning_plate_pressure_largest"] = {largest_pressure_, "Pa"};
+  const double area = scene_->turf.size[0] * scene_->turf.size[1];
+  if (roller_)
+    notes["conditioning_roller_force_largest"] = {largest_pressure_ * area, "N"};
+  else
+    notes["conditioning_plate_pressure_largest"] = {largest_pressure_, "Pa"};
+  notes[roller_ ? "conditioning_passes" : "conditioning_presses"] = {static_cast<double>(presses_), "1"};
+  if (repeats() && presses_ > 0) {
+    notes["conditioning_stays"] = {stays_ ? 1.0 : 0.0, "1"};
+    notes["conditioning_missing_compaction"] = {std::max(0.0, missing_), "m"};
+  }
   if (!switched_over_) return notes;
   notes["conditioning_sphere_overlap_largest"] = {switch_.largest_overlap, "1"};
   notes["conditioning_kinetic_kept"] = {switch_.kinetic, "J"};
@@ -127,7 +188,11 @@ void Compaction::save(h5::Group& group) const {
                                     switch_.started_as_placed,
                                     switched_over_ ? 1.0 : 0.0,
                                     settled_speed_,
-                                    switch_.volume};
+                                    switch_.volume,
+                                    pressed_,
+                                    static_cast<double>(presses_),
+                                    missing_,
+                                    stays_ ? 1.0 : 0.0};
   group.write("numbers", std::span<const double>(numbers));
   group.write_scalar("element_steps", element_steps_);
   const auto write = [&](const char* name, const std::vector<double>& values) {
@@ -146,6 +211,8 @@ void Compaction::load(const h5::Group& group) {
   switched_over_ = n.at(8) != 0;
   settled_speed_ = n.at(9);
   switch_.volume = n.at(10);
+  pressed_ = n.at(11), presses_ = static_cast<std::uint64_t>(n.at(12));
+  missing_ = n.at(13), stays_ = n.at(14) != 0;
   element_steps_ = group.read_count("element_steps");
   placed_ = group.read_doubles("placed"), under_plate_ = group.read_doubles("under_plate");
   lifted_ = group.read_doubles("lifted"), switched_ = group.read_doubles("switched");

@@ -119,10 +119,15 @@ void plan_conditioning(RunPlan& plan, const Scene& scene) {
              intervals);
   const std::uint64_t windows = plan.windows;
   plan.predicted_wall_s += wall;
+  const bool rolls = scene.conditioning.method == "roller", spheres = scene.infill.approach == Approach::sph;
   plan.remarks.push_back(fmt::format(
-      "conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres "
-      "in each, about {:.3g} s (conditioning.press_time sets most of it)",
-      1e3 * static_cast<double>(intervals) * state.schedule.interval, windows, plan.infill_substeps, wall));
+      "conditioning: {}{:.3g} ms on {} under a {}, {} windows with {} steps of the {} in each, about {:.3g} "
+      "s "
+      "({} sets most of it)",
+      state.schedule.presses > 1 && !rolls ? "at most " : "",
+      1e3 * static_cast<double>(intervals) * state.schedule.interval, spheres ? "rigid spheres" : "grains",
+      rolls ? "roller" : "plate", windows, plan.infill_substeps, spheres ? "spheres" : "grains", wall,
+      rolls ? "conditioning.roller.speed" : "conditioning.press_time"));
 }
 
 /// Builds the run and times its real loops over the first intervals.

@@ -66,6 +66,15 @@ std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
   return cost;
 }
 
+void add_bed(std::map<std::string, Quantity>& notes, const char* when,
+             const std::optional<coupler::BedState>& bed) {
+  if (!bed) return;
+  notes[fmt::format("bed_{}_depth", when)] = {bed->depth, "m"};
+  notes[fmt::format("bed_{}_bulk_density", when)] = {bed->bulk_density, "kg/m^3"};
+  notes[fmt::format("bed_{}_porosity", when)] = {bed->porosity, "1"};
+  notes[fmt::format("bed_{}_coordination", when)] = {bed->coordination, "1"};
+}
+
 /// Runs one request; its members are what the stages share.
 class Runner {
  public:
@@ -123,6 +132,7 @@ class Runner {
     coupler::Simulation& simulation = state_.simulation();
     loop_start_ = Clock::now();
     first_index_ = state_.index;
+    if (state_.index == 0) state_.bed_placed = bed();
     if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
     int checkpoints = 0;
     count_steps();
@@ -134,13 +144,17 @@ class Runner {
         state_.layer_tops = coupler::layer_tops(simulation.infill().particles(), turf.size,
                                                 turf.carpet.backing_thickness, turf.layers.size());
         if (state_.compaction) state_.compaction->note_release(state_.built);
+        state_.bed_released = bed();
         state_.rig->release(simulation);
       }
       simulation.advance_interval(schedule.interval);
       ++state_.index;
+      if (state_.compaction) {
+        state_.compaction->after_interval(state_.index, state_.built);
+        state_.index = state_.compaction->next_index(state_.index);
+      }
       const double time = schedule.time(state_.index);
       simulation.set_time(time);  // no drift: the grid's own value
-      if (state_.compaction) state_.compaction->after_interval(state_.index, state_.built);
       state_.rig->sample(simulation, time - 0.5 * schedule.interval, schedule.interval);
       record(time);
       const bool last = state_.index == schedule.end;
@@ -158,6 +172,14 @@ class Runner {
       }
     }
     summary_.status = "completed";
+  }
+
+  /// How grains lie; empty for a continuum.
+  [[nodiscard]] std::optional<coupler::BedState> bed() const {
+    if (state_.built.dem == nullptr) return std::nullopt;
+    const Turf& turf = request_.scene.turf;
+    return coupler::measure_bed(*state_.built.dem, turf.size, turf.carpet.backing_thickness,
+                                turf.layers.size());
   }
 
   [[nodiscard]] std::string stage() const {
@@ -344,6 +366,8 @@ void Runner::measure() {
     notes[fmt::format("layer_{}_{}_depth", i + 1, request_.scene.materials.at(layers[i].material).name)] = {
         state_.layer_tops[i] - (i > 0 ? state_.layer_tops[i - 1] : 0), "m"};
   if (state_.compaction) notes.merge(state_.compaction->notes());
+  add_bed(notes, "placed", state_.bed_placed);
+  add_bed(notes, "released", state_.bed_released);
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};

@@ -1,5 +1,7 @@
 #include "rigs/run_state.h"
 
+#include "coupler/roller.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +15,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 7;
+constexpr std::uint64_t checkpoint_format = 9;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
@@ -40,6 +42,18 @@ h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) 
   }
 }
 
+/// Empty where it has not been measured.
+void save_bed(h5::Group& root, const char* name, const std::optional<coupler::BedState>& bed) {
+  std::vector<double> values;
+  if (bed) values = {bed->depth, bed->bulk_density, bed->porosity, bed->coordination};
+  root.write(name, std::span<const double>(values));
+}
+std::optional<coupler::BedState> load_bed(const h5::Group& root, const char* name) {
+  const std::vector<double> values = root.read_doubles(name);
+  if (values.empty()) return std::nullopt;
+  return coupler::BedState{values.at(0), values.at(1), values.at(2), values.at(3)};
+}
+
 }  // namespace
 
 std::string physics_hash(const Scene& scene) {
@@ -59,8 +73,10 @@ Schedule make_schedule(const Scene& scene) {
   };
   const Conditioning& conditioning = scene.conditioning;
   if (conditioning.on()) {
-    s.press = at_least_one(conditioning.press_time);
-    s.lift = at_least_one(conditioning.lift_time);
+    const bool rolls = conditioning.method == "roller";
+    s.press = at_least_one(rolls ? coupler::Roller(scene).pass_time() : conditioning.press_time);
+    s.lift = rolls ? 0 : at_least_one(conditioning.lift_time);
+    s.presses = static_cast<std::uint64_t>(rolls ? conditioning.roller.passes : conditioning.presses);
     s.rest = intervals_in(conditioning.settle_time, s.interval);
     s.conditioning_frame_every = at_least_one(conditioning.frames);
   }
@@ -103,6 +119,8 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
   root.write_string("scene_hash", physics_hash(scene));
   root.write_scalar("index", state.index);
   root.write("layer_tops", std::span<const double>(state.layer_tops));
+  save_bed(root, "bed_placed", state.bed_placed);
+  save_bed(root, "bed_released", state.bed_released);
   if (state.compaction) {
     h5::Group compaction = root.create_group("compaction");
     state.compaction->save(compaction);
@@ -173,6 +191,8 @@ CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& s
   try {
     state.index = root.read_count("index");
     state.layer_tops = root.read_doubles("layer_tops");
+    state.bed_placed = load_bed(root, "bed_placed");
+    state.bed_released = load_bed(root, "bed_released");
     if (state.compaction) state.compaction->load(root.open_group("compaction"));
     const h5::Group spent_group = root.open_group("spent");
     rest.spent.wall = spent_group.read_double("wall");

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/bed_state.h"
 #include "coupler/build_simulation.h"
 #include "coupler/recorder.h"
 #include "rigs/compaction.h"
@@ -28,6 +29,9 @@ struct RunState {
   coupler::BuiltSimulation built;
   std::uint64_t index = 0;         ///< intervals done
   std::vector<double> layer_tops;  ///< m above the backing, when the rig was released; empty before
+
+  std::optional<coupler::BedState> bed_placed,
+      bed_released;  ///< of grains: at rest before all else, and when the rig was released
 
   std::optional<Compaction> compaction;  ///< of a scene with conditioning
 

@@ -10,11 +10,13 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/scene_reader.h"
+#include "coupler/micro_recorder.h"
 #include "coupler/recorder.h"
 #include "rigs/checkpoint_books.h"
 #include "rigs/direct_shear.h"
 #include "rigs/oedometer.h"
 #include "rigs/process_memory.h"
+#include "rigs/pull_out.h"
 #include "rigs/run_outcome.h"
 #include "rigs/xdmf.h"
 
@@ -22,15 +24,21 @@ namespace tuft::rigs {
 
 std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene) {
   if (scene.rig.type == "oedometer") return std::make_unique<Oedometer>(scene);
+  if (scene.rig.type == "pull_out") return std::make_unique<PullOut>(scene);
   return std::make_unique<DirectShear>(scene);
 }
 
 std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig,
                                                          std::size_t test) {
   coupler::SpecimenRequest request;
-  request.scene = &scene;
   request.effects = decide_effects(scene);
-  const coupler::Specimen specimen = coupler::fill_room(scene, request.effects, rig.room());
+  const std::optional<coupler::SpecimenStrand> strand = rig.strand();
+  const coupler::Specimen specimen =
+      coupler::fill_room(scene, request.effects, rig.room(), strand ? &*strand : nullptr);
+  Scene of_test = scene;
+  rig.adjust(of_test, test);
+  request.scene = &of_test;
+  request.strand = strand ? &*strand : nullptr;
   request.specimen = &specimen;
   request.bodies = rig.bodies(test, specimen);
   request.energy_scale = rig.energy_scale(test);
@@ -88,6 +96,7 @@ class SpecimenRunner {
     simulation_ = build_specimen_test(request_.scene, *rig_, tally_.test);
     rig_->begin(tally_.test, *simulation_);
     summary_.particles = simulation_->infill().particles().size();
+    summary_.shells = simulation_->carpet().mesh().quads.size();
   }
 
   void prepare() {
@@ -100,12 +109,14 @@ class SpecimenRunner {
             rig_->load(root.open_group("rig"));
           });
       before_ = books.spent;
-      recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), *simulation_, books.recorded, columns()));
+      recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), *simulation_, books.recorded, columns(),
+                                                  coupler::micro_settings(request_.scene)));
       return;
     }
     start_test();
     recorder_.emplace(coupler::Recorder::create(file("run.h5"), *simulation_, write_scene(request_.scene),
-                                                TUFT_VERSION, columns(), {}));
+                                                TUFT_VERSION, columns(), {},
+                                                coupler::micro_settings(request_.scene)));
     recorder_->record_frame(time(), *simulation_);
   }
 

@@ -1,7 +1,9 @@
 #pragma once
-/// A test of infill alone: what the oedometer and the direct shear box are to the run that drives them.
+/// A test of infill between rigid walls: what oedometer, direct shear box and pull-out are to the run that
+/// drives them.
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,10 @@ class SpecimenTest {
   [[nodiscard]] virtual std::size_t tests() const = 0;
   [[nodiscard]] virtual std::string label(std::size_t test) const = 0;  ///< "1500 N"
   [[nodiscard]] virtual coupler::SpecimenRoom room() const = 0;
+  /// What the specimen is placed around; empty: nothing.
+  [[nodiscard]] virtual std::optional<coupler::SpecimenStrand> strand() const { return std::nullopt; }
+  /// What of the scene's laws a test takes otherwise than as given: the specimen is placed before.
+  virtual void adjust(Scene&, std::size_t) const {}
   /// What holds a specimen that fills the room.
   [[nodiscard]] virtual std::vector<coupler::RigidBody> bodies(std::size_t test,
                                                                const coupler::Specimen& specimen) const = 0;

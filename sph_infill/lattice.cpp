@@ -54,6 +54,8 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
                                 (static_cast<double>(iy) + 0.5) * py - 0.5 * box.size[1],
                                 rows[k].bottom + (iz + 0.5) * rows[k].spacing});
     lattice.volume.push_back(px * py * rows[k].spacing);
+    lattice.radius.push_back(0.5 * lattice.pitch);
+    lattice.half_height.push_back(0.5 * rows[k].spacing);
     lattice.layer.push_back(static_cast<Index>(k));
     lattice.material.push_back(turf.layers[k].material);
   };
@@ -76,6 +78,14 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
         for (int iz = 0; iz < rows[k].count; ++iz) add_row(k, iz, ix, iy);
   }
   return lattice;
+}
+
+ContactRadii contact_radii(const Lattice& lattice) {
+  ContactRadii radii{lattice.radius, lattice.half_height};
+  if (radii.radius.empty())
+    for (const double volume : lattice.volume) radii.radius.push_back(0.5 * std::cbrt(volume));
+  if (radii.half_height.empty()) radii.half_height = radii.radius;
+  return radii;
 }
 
 }  // namespace tuft::sph

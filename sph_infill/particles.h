@@ -74,10 +74,11 @@ struct Particles {
   std::vector<double> volume;
 
   // What never changes.
-  std::vector<double> mass, radius;      ///< kg, m
-  std::vector<double> reference_volume;  ///< m^3 at no strain: mass over the law's density, unless a
-                                         ///< compacted bed made the density it had reached the reference
-  std::vector<Index> layer, material;    ///< material: also the index into the laws
+  std::vector<double> mass;                 ///< kg
+  std::vector<double> radius, half_height;  ///< m, of contact
+  std::vector<double> reference_volume;     ///< m^3 at no strain: mass over the law's density, unless a
+                                            ///< compacted bed made the density it had reached the reference
+  std::vector<Index> layer, material;       ///< material: also the index into the laws
 
   // What follows from the above in every step.
   std::vector<MotionRecord> motion;
@@ -92,7 +93,7 @@ struct Particles {
   void assign(std::size_t count) {
     position.assign(count, 0), velocity.assign(count, 0);
     for (auto* values : {&compression, &largest_compression, &plastic_compression, &pressure, &bulk_modulus,
-                         &volume, &mass, &radius, &reference_volume})
+                         &volume, &mass, &reference_volume})
       values->assign(count, 0);
     for (auto& values : deviator) values.assign(count, 0);
     layer.assign(count, 0), material.assign(count, 0);

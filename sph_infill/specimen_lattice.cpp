@@ -169,6 +169,7 @@ Lattice fill_ring(const RingSpecimen& specimen, Index material, const SphOptions
   lattice.layer.assign(count, 0);
   lattice.material.assign(count, material);
   lattice.radius.assign(count, 0.5 * spacing);
+  lattice.stands_on_walls = true;
   return lattice;
 }
 
@@ -197,6 +198,7 @@ Lattice fill_box(const BoxSpecimen& specimen, Index material, const SphOptions& 
   lattice.layer.assign(count, 0);
   lattice.material.assign(count, material);
   lattice.radius.assign(count, 0.5 * dz);
+  lattice.stands_on_walls = true;
   return lattice;
 }
 

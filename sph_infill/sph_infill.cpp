@@ -76,7 +76,7 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   settings.step_limit =
       make_step_limit(given.options, lattice.pitch, given.artificial_viscosity, given.zero_energy_control);
   // Particles on walls stand for parts of a cell, as specimens give them: they are not squeezed.
-  if (!lattice.radius.empty()) settings.step_limit.lattice_volume = 0;
+  if (lattice.stands_on_walls) settings.step_limit.lattice_volume = 0;
   gravity = given.gravity;
   box = given.box;
   kick_length = given.kick_length;
@@ -109,8 +109,9 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
     p.set_soil_state(i, reference_state(law));
     p.mass[i] = law.density * lattice.volume[i];
     p.reference_volume[i] = p.mass[i] / law.density;
-    p.radius[i] = lattice.radius.empty() ? 0.5 * std::cbrt(lattice.volume[i]) : lattice.radius[i];
   }
+  ContactRadii radii = contact_radii(lattice);
+  p.radius = std::move(radii.radius), p.half_height = std::move(radii.half_height);
 }
 
 void SphInfill::Impl::take_over(const CompactedBed& bed, ConditionedState start) {
@@ -175,7 +176,8 @@ ParticleView SphInfill::particles() const {
           p.layer,
           p.material,
           impl_->expelled_mask,
-          impl_->own_kicks ? impl_->steps.kicks() : ParticleKicks{}};
+          impl_->own_kicks ? impl_->steps.kicks() : ParticleKicks{},
+          p.half_height};
 }
 
 void SphInfill::begin_window(double window, int substeps, bool energy_wanted) {

@@ -20,15 +20,25 @@ struct Lattice {
   Vec3Array position;          ///< m
   std::vector<double> volume;  ///< m^3, reference
   std::vector<Index> layer, material;
-  std::vector<double> radius;  ///< m, of contact; empty: half the edge of a cube of the particle's volume
-  double pitch = 0;            ///< m, in the plane (adjusted so that a whole number fits the patch)
+  /// Of contact, m, sideways and upwards; empty: half the edge of a cube of the particle's volume.
+  std::vector<double> radius, half_height;
+  /// Outermost particles are on walls and stand for parts of a cell (specimens).
+  bool stands_on_walls = false;
+  double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
 };
 
 /// Cubic lattice by layers. In the plane the pitch is adjusted to a whole number of particles; each layer
 /// gets a whole number of rows, its spacing in z adjusted to its depth, so that boundaries fall between rows
-/// and the mass of a layer is exactly bulk density x volume. Throws InputError for a layer thinner than half
-/// a pitch.
+/// and the mass of a layer is exactly bulk density x volume. Contact radii are half the spacings, so that a
+/// bed just fills its tray, whatever its layers' rows. Throws InputError for a layer thinner than half a
+/// pitch.
 [[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
+
+/// Contact radii of a lattice's particles, m; of a lattice that has none those of cubes.
+struct ContactRadii {
+  std::vector<double> radius, half_height;
+};
+[[nodiscard]] ContactRadii contact_radii(const Lattice& lattice);
 
 /// Where infill belongs to the turf. What leaves it is expelled.
 struct TurfBox {

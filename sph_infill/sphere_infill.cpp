@@ -109,7 +109,7 @@ SphereInfill::SphereInfill(const Lattice& lattice, const std::vector<Material>& 
   m.layer = lattice.layer, m.material = lattice.material;
   m.placed_volume = lattice.volume;
   m.radius = sphere_radii(lattice, settings.diameter_ratio);
-  m.contact_radius = lattice.radius.empty() ? sphere_radii(lattice, 1) : lattice.radius;
+  m.contact_radius = sphere_radii(lattice, 1);
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(lattice.material[i]);
     if (k >= materials.size() || !materials[k].continuum)

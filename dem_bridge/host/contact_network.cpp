@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/vector.h"
+#include "dem_bridge/host/contact_history.h"
 
 namespace tuft::dem {
 namespace {
@@ -82,7 +83,7 @@ class SpringsPastTheirLimit {
       const int a = list.ilist[k];
       double* history = pair_.listgranhistory->firstdouble[a];
       for (int n = 0; n < list.numneigh[a]; ++n, history += pair_.dnum())
-        for (int c = 0; c < 3; ++c) visit_component(history[c]);
+        for (int c = 0; c < 3; ++c) visit_component(history[first_vector(pair_.dnum()) + c]);
     }
   }
 

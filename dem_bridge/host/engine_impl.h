@@ -17,11 +17,13 @@
 #include <liggghts/update.h>
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/vector.h"
+#include "dem_bridge/hooke_hysteresis.h"
 #include "dem_bridge/host/liggghts_engine.h"
 
 namespace tuft::dem {
@@ -85,6 +87,8 @@ struct LiggghtsEngine::Impl {
   [[nodiscard]] LAMMPS_NS::FixPropertyGlobal* property(const char* name, const char* style, int rows,
                                                        int columns);
   [[nodiscard]] std::vector<double> property_of_types(const char* name);
+  /// Of plastic springs; one law for all kinds of grains. Empty where they are not.
+  [[nodiscard]] std::optional<Hysteresis> hysteresis();
   /// As of the kick under way, or between kicks, nearly, as of the last.
   [[nodiscard]] double stored_energy(bool in_kick);
   void note_stored_energy();

@@ -5,6 +5,7 @@
 #include "dem_bridge/cohesion.h"
 #include "dem_bridge/hertz.h"
 #include "dem_bridge/hooke.h"
+#include "dem_bridge/host/contact_history.h"
 #include "dem_bridge/host/engine_impl.h"
 
 namespace tuft::dem {
@@ -24,17 +25,32 @@ std::vector<double> LiggghtsEngine::Impl::property_of_types(const char* name) {
   return values;
 }
 
+std::optional<Hysteresis> LiggghtsEngine::Impl::hysteresis() {
+  const int types = lammps->atom->ntypes;
+  const auto of_first = [&](const char* name) {
+    auto* const fix = property(name, "peratomtypepair", types, types);
+    return fix == nullptr ? 0.0 : fix->compute_array(0, 0);
+  };
+  if (property("coefficientMaxElasticStiffness", "peratomtypepair", types, types) == nullptr)
+    return std::nullopt;
+  return Hysteresis{of_first("coefficientMaxElasticStiffness"), of_first("coefficientPlasticityDepth"),
+                    of_first("coefficientAdhesionStiffness")};
+}
+
 /// Elastic energy of all contacts where the last kick was made, less what cohesion has given. Between kicks
 /// positions are moved back by one step, but springs' elongations stay those of the present positions, which
 /// is off by their force times the slip of a step. Which models there are is asked of LIGGGHTS: a
-/// characteristic velocity is Hooke's, a second vector of history the rolling spring's. Of a contact with
-/// another rank's grain each rank counts half.
+/// characteristic velocity is Hooke's, a ratio of stiffnesses that of plastic springs, a second vector of
+/// history the rolling spring's. Of a contact with another rank's grain each rank counts half.
 double LiggghtsEngine::Impl::stored_energy(bool in_kick) {
   const auto* atom = lammps->atom;
   const auto young = property_of_types("youngsModulus"), poisson = property_of_types("poissonsRatio");
   auto* const velocity_of_hooke = property("characteristicVelocity", "scalar", 0, 0);
   auto* const cohesion = property("cohesionEnergyDensity", "peratomtypepair", atom->ntypes, atom->ntypes);
-  const bool rolling_spring = static_cast<LAMMPS_NS::PairGran*>(lammps->force->pair)->dnum() >= 6;
+  const std::optional<Hysteresis> plastic = hysteresis();
+  const int values = static_cast<LAMMPS_NS::PairGran*>(lammps->force->pair)->dnum(),
+            tangential_spring = first_vector(values);
+  const bool rolling_spring = values >= 6;
   const double back = started && !in_kick ? shared.step : 0;
   const Components velocity = components(SharedArrays::velocity_x);
   double total = 0;
@@ -56,7 +72,9 @@ double LiggghtsEngine::Impl::stored_energy(bool in_kick) {
     if (velocity_of_hooke != nullptr) {
       const double mass = atom->rmass[a] * atom->rmass[b] / (atom->rmass[a] + atom->rmass[b]);
       tangential = hooke_stiffness(modulus, radius, mass, velocity_of_hooke->compute_scalar());
-      if (before > 0) energy += 0.5 * tangential * before * before;
+      if (before > 0)
+        energy += plastic ? hysteretic_energy(*plastic, tangential, radius, before, history[0])
+                          : 0.5 * tangential * before * before;
     } else {
       if (before > 0) energy += normal_energy(modulus, radius, before);
       if (now > 0)
@@ -67,8 +85,9 @@ double LiggghtsEngine::Impl::stored_energy(bool in_kick) {
       energy -=
           cohesion->compute_array(s, t) * overlap_volume(atom->radius[a], atom->radius[b], distance_before);
     if (now > 0) {
-      energy += 0.5 * tangential * load3(history).squaredNorm();
-      if (rolling_spring) energy += 0.5 * load3(history + 3).squaredNorm() / (tangential * radius * radius);
+      const double* const spring = history + tangential_spring;
+      energy += 0.5 * tangential * load3(spring).squaredNorm();
+      if (rolling_spring) energy += 0.5 * load3(spring + 3).squaredNorm() / (tangential * radius * radius);
     }
     total += b < atom->nlocal ? energy : 0.5 * energy;
   });

@@ -1,4 +1,4 @@
-/// Oedometer and direct shear through the command line, as small as they can be.
+/// Oedometer, direct shear and pull-out through the command line, as small as they can be.
 #include <nlohmann/json.hpp>
 
 #include "cli/commands/command.h"
@@ -82,10 +82,42 @@ TEST(Specimen, OfBothInfillsSideBySideGivesOnePageThatTellsThemApart) {
     EXPECT_NE(page.find(label), std::string::npos) << label;
 }
 
+TEST(Specimen, PullOutComparesBothInfillsAndRecordsEveryContact) {
+  const Workplace place;
+  const Outcome outcome = run_tuft({"compare", "inputs/pull_out_sbr.toml",
+                                    "--out",   place.path("both"),
+                                    "--set",   "rig.size=[\"12 mm\", \"8 mm\"]",
+                                    "--set",   "rig.height=10 mm",
+                                    "--set",   "rig.embedded_length=10 mm",
+                                    "--set",   "rig.normal_stress=20 kPa",
+                                    "--set",   "rig.speeds=[\"1 mm/s\"]",
+                                    "--set",   "rig.run_speed=400 mm/s",
+                                    "--set",   "rig.travel=1 mm",
+                                    "--set",   "rig.load_time=2 ms",
+                                    "--set",   "infill.sph.pitch=2 mm",
+                                    "--set",   "infill.dem.material_coarse_graining.sbr=1.5",
+                                    "--set",   "rig.frame_rows=100",
+                                    "--set",   "output.micro.contacts=true"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const char* approach : {"sph", "dem"}) {
+    const nlohmann::json summary = summary_in(place.path(std::string("both/") + approach));
+    EXPECT_EQ(summary["results"]["speed_1_mm_s_steady_force"]["unit"], "N");
+    EXPECT_GT(summary["results"]["speed_1_mm_s_peak_force"]["value"], 0.0);
+    EXPECT_GT(summary["shells"], 0);
+    EXPECT_LT(summary["energy_error"], 0.01);
+  }
+  const std::string page = read_text(place.path("both/report.html"));
+  for (const char* id : {"pull-out-table", "curve-pull", "curve-strand-pressure", "curve-platens"})
+    EXPECT_NE(page.find(std::string("id=\"") + id), std::string::npos) << id;
+  const Outcome micro = run_tuft({"micro", place.path("both/dem")});
+  EXPECT_EQ(micro.exit_code, 0) << micro.error;
+  EXPECT_NE(micro.out.find("contacts_fibre"), std::string::npos);
+}
+
 TEST(Specimen, IsCheckedAndExplainedWithoutAPatch) {
   const Outcome checked = run_tuft({"check", "inputs/oedometer_sbr.toml"});
   EXPECT_EQ(checked.exit_code, 0) << checked.error;
-  EXPECT_NE(checked.out.find("1 085 particles"), std::string::npos) << checked.out;
+  EXPECT_NE(checked.out.find("2 382 particles"), std::string::npos) << checked.out;
   const Outcome explained = run_tuft({"explain", "inputs/direct_shear_sbr.toml"});
   EXPECT_EQ(explained.exit_code, 0) << explained.error;
   EXPECT_NE(explained.out.find("300 kPa"), std::string::npos) << explained.out;
@@ -112,6 +144,9 @@ TEST(Specimen, RefusesBadInputByOneLine) {
   expect_bad_input(with("direct_shear_sand.toml", "turf.tray_depth=70 mm"), {"turf"});
   expect_bad_input(with("direct_shear_sand.toml", "effects.fibres=true"), {"effects.fibres", "no carpet"});
   expect_bad_input(with("direct_shear_sand.toml", "rig.yield_strain=0.6"), {"rig.yield_strain"});
+  expect_bad_input(with("pull_out_sand.toml", "rig.embedded_length=40 mm"),
+                   {"rig.embedded_length", "more than the box is long (30 mm)"});
+  expect_bad_input(with("pull_out_sand.toml", "output.frames=1 ms"), {"output.frames"});
 }
 
 }  // namespace

@@ -276,7 +276,7 @@ TEST(SceneMistakes, UnknownApproachRigMaterialDesign) {
       "a.toml:14: infill.approach: \"sphh\": unknown; did you mean \"sph\"? \"sph\" or \"dem\" is needed");
   EXPECT_EQ(complaint_for("\"clegg\"", "\"beast\""),
             "a.toml:18: rig.type: \"beast\": unknown; \"clegg\", \"strand_tension\", \"backing_tension\", "
-            "\"oedometer\" or \"direct_shear\" is needed");
+            "\"oedometer\", \"direct_shear\" or \"pull_out\" is needed");
   EXPECT_EQ(complaint_for("\"sbr\"", "\"sbrr\""),
             "a.toml:11: turf.layers.1.material: \"sbrr\": no such file in materials/; did you mean \"sbr\"?");
   EXPECT_EQ(complaint_for("\"slit_film_coarse\"", "\"slit_film_course\""),

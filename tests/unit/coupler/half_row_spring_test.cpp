@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <numbers>
 #include <span>
 
 #include "core/scene_reader.h"
@@ -21,7 +22,7 @@ TEST(HalfRowSpring, IsAsStiffAsTheInfillBehindItUnderTheSameStress) {
   constexpr double area = 4 * radius * radius;
   for (const Material& material : scene.materials) {
     if (!material.continuum) continue;
-    const NormalSpring spring = half_row_spring(material, scene.numerics, radius);
+    const NormalSpring spring = half_row_spring(material, scene.numerics, area, radius);
     EXPECT_NEAR(spring.force(spring.end) / area / scene.numerics.contact_pressure, 1, 1e-12) << material.name;
     for (const double share : {0.0, 0.3, 1.0}) {
       const double overlap = share * spring.end, stress = spring.force(overlap) / area;
@@ -31,10 +32,62 @@ TEST(HalfRowSpring, IsAsStiffAsTheInfillBehindItUnderTheSameStress) {
   }
 }
 
+TEST(HalfRowSpring, HasTheThicknessOfItsRowAndTheAreaOfItsColumn) {
+  const Scene scene = turf_scene();
+  const Material& material = scene.materials[static_cast<std::size_t>(scene.turf.layers.back().material)];
+  constexpr double half_height = 1.25 * radius, area = 4 * radius * radius;
+  const NormalSpring spring = half_row_spring(material, scene.numerics, area, half_height);
+  EXPECT_NEAR(spring.force(spring.end) / area / scene.numerics.contact_pressure, 1, 1e-12);
+  const double modulus = sph::constrained_modulus(*material.continuum, 0);
+  EXPECT_NEAR(spring.tangent(0) / (modulus * area / half_height), 1, 1e-9);
+}
+
+TEST(PointWithAHalfHeight, PressesWallsAndFloorByTheSpringsOfEach) {
+  constexpr double of_floor = 3e4, of_walls = 5e4, pressed = 1e-4;
+  const double sideways = 2e-3, upwards = 3e-3, mass = 1e-3, none = 0, x = 0.05 - sideways + pressed,
+               z = upwards - pressed;
+  ParticleView view;
+  view.x = std::span(&x, 1), view.z = std::span(&z, 1);
+  view.y = view.vx = view.vy = view.vz = std::span(&none, 1);
+  view.radius = std::span(&sideways, 1), view.half_height = std::span(&upwards, 1);
+  view.mass = std::span(&mass, 1);
+  BodyContact contact({{{of_floor}}, {0}, {{}}, {{of_walls}}});
+  const std::vector<RigidBody> bodies = tray({0.1, 0.1});
+  contact.search(view, bodies, 1e-3, false);
+  Vec3Array force;
+  force.assign(1, 0);
+  BodyImpulses on_bodies{std::vector<Vec3>(bodies.size(), Vec3(0, 0, 0))};
+  contact.evaluate(view, bodies, 0, 1e-6, 0, 0, 1, force, nullptr, on_bodies);
+  EXPECT_NEAR(force[0].x(), -of_walls * pressed, 1e-9 * of_walls * pressed);
+  EXPECT_NEAR(force[0].z(), of_floor * pressed, 1e-9 * of_floor * pressed);
+  EXPECT_EQ(contact.initial_overlap().largest, 0) << "nothing is let go";
+}
+
+TEST(PointWithAHalfHeight, TouchesFloorAndWallsAtItsHalfAxesAndSlopesBetweenThem) {
+  const double at{0}, sideways{2e-3}, upwards{3e-3};
+  ParticleView view;
+  view.x = view.y = view.z = std::span(&at, 1);
+  view.radius = std::span(&sideways, 1), view.half_height = std::span(&upwards, 1);
+  EXPECT_DOUBLE_EQ(view.radius_along(0, {0, 0, -1}), upwards);
+  EXPECT_DOUBLE_EQ(view.radius_along(0, {0, 1, 0}), sideways);
+  EXPECT_DOUBLE_EQ(view.largest_radius(0), upwards);
+  // Of the planes with this normal the one that an ellipsoid touches lies at the largest n . x on it.
+  const Vec3 normal = Vec3(0.6, 0, 0.8);
+  double farthest = 0;
+  for (int k = 0; k <= 9000; ++k) {
+    const double angle = 1e-4 * std::numbers::pi / 1.8 * k;
+    farthest = std::max(farthest, normal.dot(Vec3(sideways * std::cos(angle), 0, upwards * std::sin(angle))));
+  }
+  EXPECT_NEAR(view.radius_along(0, normal), farthest, 1e-9);
+  view.half_height = {};
+  EXPECT_DOUBLE_EQ(view.radius_along(0, normal), sideways);
+}
+
 TEST(HalfRowSpring, IsLinearWithAContactModulus) {
   Scene scene = turf_scene();
   scene.materials[0].contact_modulus = 5e6;
-  const NormalSpring spring = half_row_spring(scene.materials[0], scene.numerics, radius);
+  const NormalSpring spring =
+      half_row_spring(scene.materials[0], scene.numerics, 4 * radius * radius, radius);
   EXPECT_DOUBLE_EQ(spring.stiffness, 5e6 * 4 * radius);
   EXPECT_EQ(spring.stiffening, 0);
 }

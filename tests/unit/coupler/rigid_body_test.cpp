@@ -65,6 +65,15 @@ TEST(BlockDistance, IsTheDistanceToTheNearestSurfacePoint) {
     expect_gradient(block, p);
 }
 
+TEST(RoundDistances, AreFromAxisAndCentreAndNormalsPointOutwards) {
+  const SurfacePoint side = distance_to(LyingCylinder{0.05}, Vec3(0.03, 7, -0.04) * 2);
+  EXPECT_NEAR(side.distance, 0.05, 1e-15);
+  EXPECT_NEAR((side.normal - Vec3(0.6, 0, -0.8)).norm(), 0, 1e-15);
+  const SurfacePoint inside = distance_to(Ball{0.05}, Vec3(0.02, -0.01, 0.02));
+  EXPECT_NEAR(inside.distance, -0.02, 1e-15);
+  EXPECT_NEAR((inside.normal - Vec3(2, -1, 2) / 3).norm(), 0, 1e-15);
+}
+
 TEST(RigidBody, DrivenMovesAtItsSpeedAndBooksTheWorkAgainstContact) {
   RigidBody body;
   body.driven = true;

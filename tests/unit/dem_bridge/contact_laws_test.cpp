@@ -13,6 +13,7 @@
 #include "dem_bridge/grain_contact.h"
 #include "dem_bridge/hertz.h"
 #include "dem_bridge/hooke.h"
+#include "dem_bridge/hooke_hysteresis.h"
 
 namespace tuft::dem {
 namespace {
@@ -100,6 +101,32 @@ TEST(Hooke, StableStepBoundsTheStiffestWaveOfTheDensestPacking) {
   EXPECT_GT(step, 0.9 * critical);
   RecordProperty("step_over_critical", std::to_string(step / critical));
   EXPECT_LT(stable_hooke_step(stiffness, mass, 0.5), 0.5 * step) << "damping shortens it";
+}
+
+TEST(Hysteresis, LinesMeetWhereTheyChange) {
+  const Hysteresis law{3, 0.1, 0.5};
+  const double k = 1000, r = 0.0006, limit = largest_plastic_overlap(law, r);
+  EXPECT_NEAR(limit, 1.5 * 0.1 * 2 * r, 1e-15);
+  for (const double largest : {0.3 * limit, limit, 2 * limit}) {
+    const double k2 = unloading_stiffness(law, k, r, largest);
+    // At its largest overlap a contact is on both lines, up to the limit; from there on it is elastic.
+    const double top = std::min(largest, limit);
+    EXPECT_NEAR(hysteretic_force(law, k, r, top, largest), k * top, 1e-12 * k * top);
+    const double dent = top * (1 - k / k2), h = 1e-6 * top;
+    EXPECT_NEAR(hysteretic_force(law, k, r, dent, largest), 0, 1e-9 * k * top);
+    EXPECT_EQ(hysteretic_energy(law, k, r, dent, largest) < 1e-15, true);
+    EXPECT_NEAR(
+        (hysteretic_force(law, k, r, dent + h, largest) - hysteretic_force(law, k, r, dent, largest)) / h, k2,
+        1e-6 * k2);
+    // On that line the energy's derivative is the force.
+    const double d = 0.5 * (dent + top);
+    EXPECT_NEAR(
+        (hysteretic_energy(law, k, r, d + h, largest) - hysteretic_energy(law, k, r, d - h, largest)) /
+            (2 * h),
+        hysteretic_force(law, k, r, d, largest), 1e-6 * k * top);
+    EXPECT_NEAR(hysteretic_force(law, k, r, 0.01 * dent, largest), -0.5 * k * 0.01 * dent, 1e-12 * k * top);
+  }
+  EXPECT_EQ(unloading_stiffness(law, k, r, 2 * limit), 3 * k);
 }
 
 TEST(Cohesion, ForceIsTheDerivativeOfTheOverlapsVolume) {

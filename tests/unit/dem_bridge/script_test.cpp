@@ -82,6 +82,21 @@ TEST(Script, ModelsAreThoseThatWereChosen) {
             std::string::npos);
 }
 
+TEST(Script, PlasticSpringsHaveTheirThreeNumbersForEveryPair) {
+  DemSettings settings = settings_in_box(0.1);
+  settings.options.contact = GrainContact::hooke_hysteresis;
+  settings.options.characteristic_velocity = 1.5;
+  settings.options.unloading_ratio = 4, settings.options.plastic_depth = 0.25,
+  settings.options.adhesion_ratio = 0.5;
+  const std::string text = commands(three_materials(), settings);
+  for (const char* line : {"pair_style gran model hooke/hysteresis tangential history\n",
+                           "coefficientMaxElasticStiffness peratomtypepair 2 4 4 4 4\n",
+                           "coefficientPlasticityDepth peratomtypepair 2 0.25 0.25 0.25 0.25\n",
+                           "coefficientAdhesionStiffness peratomtypepair 2 0.5 0.5 0.5 0.5\n",
+                           "characteristicVelocity scalar 1.5\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+}
+
 TEST(Script, SoftAndHardGrainsAreAnnounced) {
   const DemSettings settings = settings_in_box(0.1);
   auto materials = three_materials();

@@ -47,6 +47,33 @@ TEST(Lattice, BoundariesOfLayersFallMidwayBetweenRows) {
   EXPECT_NEAR(spacing[1], 0.0047 / 2, 1e-15);
 }
 
+TEST(Lattice, ContactRadiiAreSuchThatABedJustTouchesItsTrayWhateverItsRows) {
+  const Turf turf = layered_turf({{0, 0.005}, {1, 0.0047}});  // rows 1.25 and 1.175 pitches high
+  const double width = 0.021, floor = 0.003;
+  const Lattice lattice = make_lattice(turf, {{width, width}, floor}, 0.004);
+  const ContactRadii radii = contact_radii(lattice);
+  double lowest = 1, highest = 0, west = 1, east = -1;
+  for (std::size_t i = 0; i < lattice.position.size(); ++i) {
+    west = std::min(west, lattice.position.x[i] - radii.radius[i]);
+    east = std::max(east, lattice.position.x[i] + radii.radius[i]);
+    lowest = std::min(lowest, lattice.position.z[i] - radii.half_height[i]);
+    highest = std::max(highest, lattice.position.z[i] + radii.half_height[i]);
+  }
+  EXPECT_NEAR(west, -0.5 * width, 1e-15);
+  EXPECT_NEAR(east, 0.5 * width, 1e-15);
+  EXPECT_NEAR(lowest, floor, 1e-15);
+  EXPECT_NEAR(highest, floor + 0.0097, 1e-15);
+}
+
+TEST(Lattice, ContactRadiiOfALatticeWithoutThemAreThoseOfCubes) {
+  Lattice lattice;
+  lattice.position.push_back({0, 0, 0});
+  lattice.volume = {8e-9};
+  const ContactRadii radii = contact_radii(lattice);
+  EXPECT_DOUBLE_EQ(radii.radius.at(0), 1e-3);
+  EXPECT_DOUBLE_EQ(radii.half_height.at(0), 1e-3);
+}
+
 TEST(Lattice, FillsThePatchCentredOnTheOriginWithAWholeNumberOfColumns) {
   const Lattice lattice = make_lattice(layered_turf({{0, 0.004}}), {{0.0211, 0.0489}, 0}, 0.002);
   EXPECT_EQ(lattice.position.size(), 11u * 24u * 2u);

@@ -140,6 +140,7 @@ TEST(Expulsion, OfWhatIsFarAwayChangesNoBitOfWhatStays) {
     lattice.volume.push_back(lattice.volume[0]);
     lattice.layer.push_back(0), lattice.material.push_back(0);
     if (!lattice.radius.empty()) lattice.radius.push_back(lattice.radius[0]);
+    if (!lattice.half_height.empty()) lattice.half_height.push_back(lattice.half_height[0]);
     SphSettings settings;
     settings.options = test::options_of(test::Preset::accurate, pitch);
     settings.box.high.z() = height;

@@ -32,11 +32,12 @@ SphereInfill spheres_at(const Lattice& lattice, const Vec3Array& position) {
   return {lattice, test::single_material(test::mixture_with_effects()), position, settings};
 }
 
-/// A block, pressed evenly to 0.9 of its height: spheres overlap.
+/// A block, pressed evenly to 0.9 of its height: spheres overlap. Particles touch as cubes (scene_lattice).
 struct PressedBlock {
   Lattice lattice = test::block(8, 8, 8, pitch);
   Vec3Array pressed = lattice.position;
   PressedBlock() {
+    lattice.radius.clear(), lattice.half_height.clear();
     for (double& z : pressed.z) z *= 0.9;
   }
 };

@@ -1,0 +1,21 @@
+/// The isolated system of tests/verification/coupler/free_box.h for long.
+#include <gtest/gtest.h>
+
+#include "tests/verification/coupler/free_box.h"
+
+namespace tuft::coupler {
+namespace {
+
+TEST(GrainsInAFreeBoxOfShells, KeepMomentumAndEnergyOverAHundredThousandSteps) {
+  GrainCase setup = grains_in_a_box(0, 1);
+  setup.window = 2.5e-6;
+  const FreeBox box = run_free_box(setup, 100000);
+  std::printf("momentum %.3g, of a window %.3g, energy %.3g\n", box.momentum_change, box.largest_imbalance,
+              box.energy_error);
+  EXPECT_LT(box.momentum_change, 1e-12);
+  EXPECT_LT(box.largest_imbalance, 1e-12);
+  EXPECT_LT(box.energy_error, 0.01);
+}
+
+}  // namespace
+}  // namespace tuft::coupler

@@ -1,0 +1,104 @@
+// Grains that are pressed again and again, and rolled; coarse enough to run as tests.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coarse_scene.h"
+#include "core/error.h"
+
+namespace tuft::rigs {
+namespace {
+
+/// Large grains among few fibres, pressed far too fast, so that infill is thrown up: what is tested is what
+/// follows from where the bed lies, not where that is. 3 ms down, 3 ms up, 1 ms of rest.
+Overrides pressed(const Overrides& more = {}) {
+  Overrides overrides{{"infill.approach", "dem"},
+                      {"infill.dem.host", TUFT_TEST_HOST},
+                      {"infill.dem.use_cache", "false"},
+                      {"infill.dem.material_coarse_graining", "{ sbr = 6.0, sand = 8.0 }"},
+                      {"conditioning.method", "compaction"},
+                      {"conditioning.press_time", "3 ms"},
+                      {"conditioning.lift_time", "3 ms"},
+                      {"conditioning.settle_time", "1 ms"},
+                      {"numerics.settle_time", "2 ms"},
+                      {"scene.duration", "0.5 ms"}};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
+RunRequest request_of(const std::string& name, const Overrides& overrides) {
+  RunRequest request;
+  request.scene = coarse_scene(overrides);
+  request.folder = fresh_folder(name);
+  return request;
+}
+
+double note(const RunSummary& summary, const std::string& name) {
+  return summary.notes.at(name).value;
+}
+
+TEST(GrainConditioning, NoMorePressesThanItTakesForTheBedToStay) {
+  const RunSummary s = run(request_of(
+      "pressed-enough", pressed({{"conditioning.presses", "4"}, {"conditioning.tolerance", "50 mm"}})));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_EQ(note(s, "conditioning_presses"), 1);
+  EXPECT_EQ(note(s, "conditioning_stays"), 1);
+  EXPECT_NEAR(s.simulated_time, 0.0005, 1e-9) << "times of presses that were not needed are left out";
+}
+
+TEST(GrainConditioning, SaysByHowMuchTheBedStayedTooHighAndHowItLiesResumedOrNot) {
+  const Overrides in_vain = pressed({{"conditioning.presses", "2"},
+                                     {"conditioning.tolerance", "0.01 mm"},
+                                     {"output.checkpoint_every", "9 ms"}});
+  const RunSummary s = run(request_of("pressed-in-vain", in_vain));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_EQ(note(s, "conditioning_presses"), 2);
+  EXPECT_EQ(note(s, "conditioning_stays"), 0);
+  EXPECT_NEAR(note(s, "conditioning_missing_compaction"), note(s, "conditioning_depth_at_switch") - 0.044,
+              1e-9);
+  EXPECT_LT(note(s, "conditioning_depth_under_plate"), 0.044 - 0.005) << "the second time it goes deeper";
+  EXPECT_LT(s.energy_error, 0.02);
+  const double solid = note(s, "bed_placed_bulk_density") / (1 - note(s, "bed_placed_porosity"));
+  EXPECT_NEAR(note(s, "bed_released_bulk_density") / (1 - note(s, "bed_released_porosity")), solid,
+              1e-9 * solid);
+  EXPECT_GT(note(s, "bed_placed_coordination"), 1);
+
+  // Stopped within the second press, resumed: the same plate, the same bed.
+  RunRequest stopped = request_of("pressed-stopped", in_vain);
+  stopped.stop_after_checkpoints = 1;
+  ASSERT_EQ(run(stopped).status, "stopped");
+  stopped.stop_after_checkpoints = 0;
+  stopped.resume = true;
+  const RunSummary resumed = run(stopped);
+  ASSERT_EQ(resumed.status, "completed") << resumed.error;
+  for (const char* name : {"conditioning_presses", "conditioning_plate_pressure_largest",
+                           "conditioning_depth_released", "bed_placed_porosity", "bed_released_porosity"})
+    EXPECT_NEAR(note(resumed, name), note(s, name), 1e-6 * std::abs(note(s, name))) << name;
+}
+
+TEST(GrainConditioning, RollerPassesToAndFroPressesAndKeepsTheLedger) {
+  const RunSummary s = run(request_of(
+      "rolled", pressed({{"conditioning.method", "roller"},
+                         {"conditioning.depth", "4 mm"},
+                         {"conditioning.settle_time", "1 ms"},
+                         {"conditioning.roller",
+                          "{ diameter = \"40 mm\", studs_around = 5, stud_spacing = \"20 mm\", stud_length = "
+                          "\"8 mm\", stud_diameter = \"8 mm\", speed = \"15 m/s\", passes = 2 }"}})));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_EQ(note(s, "conditioning_passes"), 2);
+  EXPECT_GT(note(s, "conditioning_roller_force_largest"), 10);
+  EXPECT_LT(s.energy_error, 0.02);
+  EXPECT_LT(s.momentum_error, 1e-9);
+}
+
+TEST(GrainConditioning, RollerOnAContinuumIsRefused) {
+  try {
+    (void)coarse_scene({{"conditioning.method", "roller"}});
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"roller\" is for grains"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tuft::rigs
