@@ -1,6 +1,7 @@
 #pragma once
 /// A run stopped at checkpoints and gone on with must end in the bits of one that was left alone.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -23,9 +24,8 @@ inline RunRequest request_in(const std::filesystem::path& folder, const Scene& s
 /// Stops at every `checkpoints`-th checkpoint. `column`: a history that must be the same in each row.
 /// Returns how often it was stopped.
 inline int expect_resumed_bits(const Scene& scene, int checkpoints, const std::string& column) {
-  const auto root = std::filesystem::temp_directory_path() /
-                    (std::string("tuft_resumed_") +
-                     ::testing::UnitTest::GetInstance()->current_test_info()->test_suite_name());
+  // Tests of one name and other parameters run side by side.
+  const auto root = std::filesystem::temp_directory_path() / ("tuft_resumed_" + std::to_string(::getpid()));
   const RunRequest whole = request_in(root / "whole", scene);
   RunRequest parts = request_in(root / "parts", scene);
   const RunSummary once = run(whole);
