@@ -121,9 +121,13 @@ const Overrides individual_steps{
     {"effects.fibres", "false"}, {"numerics.individual_steps", "16"}, {"scene.duration", "12 ms"}};
 
 TEST(SphDrop, WithIndividualStepsHasTheSamePeakAndBalancesForFewerParticleSteps) {
-  Overrides one_step = individual_steps;
+  // At the coarse scene's 5 mm the missile meets some forty particles, and the peak differs by 1.2 %; on the
+  // small scene itself it differs by 0.1 %.
+  Overrides own_steps = individual_steps;
+  own_steps.push_back({"infill.sph.pitch", "4 mm"});
+  Overrides one_step = own_steps;
   one_step[1].second = "1";
-  const RunSummary own = drop("own-steps", individual_steps), one = drop("one-step", one_step);
+  const RunSummary own = drop("own-steps", own_steps), one = drop("one-step", one_step);
   const double peak = one.results.at("peak_g").value;
   EXPECT_NEAR(own.results.at("peak_g").value, peak, 0.005 * peak);
   EXPECT_LT(own.energy_error, 0.005);
