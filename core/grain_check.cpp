@@ -3,8 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/nearest_name.h"
@@ -148,6 +151,24 @@ void complete_contact(DemOptions& dem, const CleggRig& rig, const Places& places
   }
 }
 
+/// A host that listens on another machine: where, and that it is one process.
+void check_host(const DemOptions& dem, const Places& places) {
+  constexpr std::string_view scheme = "tcp://";
+  if (!dem.host.starts_with(scheme)) return;
+  const std::size_t colon = dem.host.rfind(':');
+  unsigned port = 0;
+  const char *const first = dem.host.data() + colon + 1, *const end = dem.host.data() + dem.host.size();
+  const auto [last, failure] = std::from_chars(first, end, port);
+  constexpr unsigned largest_port = 65535;
+  if (colon <= scheme.size() || failure != std::errc{} || last != end || port < 1 || port > largest_port)
+    places.fail(
+        "infill.dem.host",
+        "is no address; give it as \"tcp://machine:port\", with the port that liggghts_host listens on");
+  if (dem.ranks > 1)
+    places.fail("infill.dem.ranks",
+                "a host on another machine is one process; use 1 rank, or leave out infill.dem.host");
+}
+
 }  // namespace
 
 void complete_grain(GrainMaterial& grain, const std::string& path, const Places& places) {
@@ -171,6 +192,7 @@ void complete_dem(Scene& scene, const Places& places) {
   check_names(scene, places);
   check_pairs(scene, places);
   complete_contact(scene.infill.dem, scene.rig.clegg, places);
+  check_host(scene.infill.dem, places);
 }
 
 }  // namespace tuft

@@ -41,6 +41,7 @@ std::vector<std::string> host_environment(const fs::path& scratch, Launch launch
     environment.insert(environment.end(), {"OMPI_MCA_ess_singleton_isolated=1", "OMPI_MCA_btl=self"});
   else  // mpirun refuses to run as root unless told twice that it is meant
     environment.insert(environment.end(), {"OMPI_MCA_btl=self,vader", "OMPI_MCA_plm=isolated",
+                                           "OMPI_MCA_btl_vader_backing_directory=" + scratch.string(),
                                            "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"});
   return environment;
 }

@@ -6,64 +6,21 @@
 
 #include <fstream>
 
-#include "core/error.h"
-#include "scratch_folder.h"
+#include "good_scene.h"
 
 namespace tuft {
 namespace {
 
+using test::complaint;
+using test::complaint_for;
+using test::good;
 using test::message_of;
 using test::ScratchFolder;
+using test::with;
 using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-// Line numbers below count from the line after R"(.
-const std::string good = R"([scene]
-duration = "25 ms"
-[turf]
-design = "slit_film_coarse"
-size = ["80 mm", "90 mm"]
-tray_depth = "70 mm"
-[[turf.layers]]
-material = "sand"
-depth = "5 mm"
-[[turf.layers]]
-material = "sbr"
-depth = "45 mm"
-[infill]
-approach = "sph"
-[infill.sph]
-pitch = "4 mm"
-[rig]
-type = "clegg"
-speed = "2.85 m/s"
-[effects]
-fibres = true
-[numerics]
-step_safety = 0.5
-)";
-
-/// The good scene with `from` replaced by `to`.
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = good;
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-std::string complaint(const std::string& text, const Overrides& overrides = {}) {
-  const std::string message =
-      message_of<InputError>([&] { (void)read_scene_text(text, "a.toml", overrides); });
-  EXPECT_NE(message, "") << "accepted";
-  EXPECT_EQ(message.find('\n'), std::string::npos) << "more than one line: " << message;
-  return message;
-}
-
-std::string complaint_for(const std::string& from, const std::string& to) {
-  return complaint(with(from, to));
-}
 
 TEST(SceneReader, ValuesArriveInSi) {
   const Scene scene = read_scene_text(good, "folder/a.toml");
@@ -457,125 +414,6 @@ TEST(SceneMistakes, MistakesInNamedFilesNameThatFile) {
   EXPECT_THAT(message_of<InputError>([&] { (void)read_scene(folder / "a.toml"); }),
               AllOf(StartsWith((folder / "materials/sand.toml").string() + ":"),
                     EndsWith("continuum.yield_a7: 0.1225: unknown key; did you mean \"yield_a0\"?")));
-}
-
-TEST(SceneMistakes, NamesOfGrainsInDemOptions) {
-  EXPECT_EQ(complaint(good + "[infill.dem]\nmaterial_coarse_graining = { sbt = 2 }\n"),
-            "a.toml:25: infill.dem.material_coarse_graining.sbt: 2: no layer holds this material; did you "
-            "mean \"sbr\"?");
-  EXPECT_THAT(
-      complaint(good + "[infill.dem]\npairs = [{ materials = [\"sand\", \"gravel\"], friction = 0.4 }]\n"),
-      StartsWith("a.toml:25: infill.dem.pairs.0.materials.1: \"gravel\": no such file in materials/"));
-}
-
-TEST(SceneReader, GrainSizesAreReadAndWrittenBack) {
-  const std::string text = good + R"([infill.dem]
-contact = "hooke"
-rolling = "cdt"
-pairs = [{ materials = ["sand", "sbr"], restitution = 0.4, cohesion_energy_density = "2 kJ/m^3" }]
-[materials.sand.grain]
-diameter_min = "0 mm"
-diameter_max = "0 mm"
-cohesion_energy_density = "500 J/m^3"
-[materials.sand.grain.sizes]
-law = "sieve"
-by = "mass"
-sieve = { unit = "mm", opening = [0.1, 0.5, 1], passing = [0, 0.25, 1] }
-[materials.sbr.grain.sizes]
-law = "lognormal"
-by = "number"
-median = "0.9 mm"
-geometric_deviation = 1.4
-)";
-  const auto check = [](const Scene& scene) {
-    const auto grain_of = [&](const char* name) {
-      return *std::ranges::find(scene.materials, name, &Material::name)->grain;
-    };
-    const GrainMaterial sand = grain_of("sand"), sbr = grain_of("sbr");
-    EXPECT_EQ(sand.sizes.law, SizeLaw::sieve);
-    EXPECT_EQ(sand.sizes.by, SizeShares::mass);
-    EXPECT_DOUBLE_EQ(sand.sizes.sieve.x[1], 0.5e-3);
-    EXPECT_EQ(sand.sizes.sieve.y, (std::vector<double>{0, 0.25, 1}));
-    EXPECT_DOUBLE_EQ(sand.diameter_min, 0.1e-3) << "from the curve";
-    EXPECT_DOUBLE_EQ(sand.diameter_max, 1e-3);
-    EXPECT_EQ(sand.cohesion_energy_density, 500);
-    EXPECT_EQ(sbr.sizes.law, SizeLaw::lognormal);
-    EXPECT_EQ(sbr.sizes.by, SizeShares::number);
-    EXPECT_DOUBLE_EQ(sbr.sizes.median, 0.9e-3);
-    EXPECT_EQ(sbr.sizes.geometric_deviation, 1.4);
-    const DemOptions& dem = scene.infill.dem;
-    EXPECT_EQ(dem.contact, GrainContact::hooke);
-    EXPECT_EQ(dem.rolling, RollingModel::cdt);
-    EXPECT_EQ(dem.characteristic_velocity, 2.85) << "left out: the missile's speed";
-    ASSERT_EQ(dem.pairs.size(), 1u);
-    EXPECT_EQ(dem.pairs[0].restitution, 0.4);
-    EXPECT_EQ(dem.pairs[0].cohesion_energy_density, 2000);
-    EXPECT_FALSE(dem.pairs[0].friction);
-  };
-  const Scene scene = read_scene_text(text, "a.toml");
-  check(scene);
-  check(read_scene_text(write_scene(scene), "b.toml"));
-}
-
-TEST(SceneMistakes, GrainSizesThatAreNoneAreNamed) {
-  const auto of_sand = [](const std::string& keys, const std::string& grain = "") {
-    return complaint(good + "[materials.sand.grain]\n" + grain + "[materials.sand.grain.sizes]\n" + keys);
-  };
-  const std::string key = "materials.sand.grain.sizes", lognormal = "law = \"lognormal\"\n",
-                    sieve = "law = \"sieve\"\nby = \"mass\"\n",
-                    no_limits = "diameter_min = \"0 mm\"\ndiameter_max = \"0 mm\"\n";
-  EXPECT_THAT(of_sand("law = \"normal\"\n"), StartsWith("a.toml:26: " + key + ".law: \"normal\""));
-  EXPECT_THAT(of_sand(lognormal), AllOf(HasSubstr(key + ".by"), HasSubstr("missing; say what shares count")));
-  EXPECT_THAT(of_sand(lognormal + "by = \"mass\"\n"), HasSubstr(key + ".median: missing"));
-  EXPECT_THAT(of_sand(lognormal + "by = \"mass\"\nmedian = \"1 mm\"\ngeometric_deviation = 0.5\n"),
-              AllOf(StartsWith("a.toml:29: " + key + ".geometric_deviation: 0.5:"), HasSubstr("above 1")));
-  EXPECT_THAT(
-      of_sand(lognormal + "by = \"mass\"\nmedian = \"9 mm\"\ngeometric_deviation = 1.4\n"),
-      AllOf(StartsWith("a.toml:28: " + key + ".median: \"9 mm\":"), HasSubstr("lies between diameter_min")));
-  EXPECT_THAT(of_sand("median = \"1 mm\"\n"), HasSubstr(".median: \"1 mm\": is for law = \"lognormal\""));
-  EXPECT_THAT(of_sand(sieve, no_limits), HasSubstr("law = \"sieve\" needs { unit = \"mm\""));
-  const auto curve = [&](const std::string& opening, const std::string& passing, const std::string& grain) {
-    return of_sand(
-        sieve + "sieve = { unit = \"mm\", opening = [" + opening + "], passing = [" + passing + "] }\n",
-        grain);
-  };
-  EXPECT_THAT(curve("0.2, 0.5, 1", "0, 42, 100", no_limits),
-              AllOf(HasSubstr("sieve.passing.1: 42"), HasSubstr("at most 1")));
-  EXPECT_THAT(curve("0.2, 0.5, 1", "0.1, 0.5, 1", no_limits), HasSubstr("passing begins at 0.1"));
-  EXPECT_THAT(curve("0.2, 0.5, 1", "0, 0.5, 0.9", no_limits), HasSubstr("passing ends at 0.9"));
-  EXPECT_THAT(curve("0.2, 0.5, 1", "0, 1, 0.5", no_limits), HasSubstr("passing ends at 0.5"));
-  EXPECT_THAT(curve("0.2, 0.5, 0.8, 1", "0, 0.6, 0.5, 1", no_limits),
-              HasSubstr("passing falls from 0.6 to 0.5"));
-  EXPECT_THAT(curve("0.2, 1, 0.5", "0, 0.5, 1", no_limits), HasSubstr("must be above the number before it"));
-  EXPECT_THAT(curve("0, 0.5, 1", "0, 0.5, 1", no_limits), HasSubstr("first opening must be above 0"));
-  EXPECT_THAT(curve("0.3, 0.5, 1", "0, 0.5, 1", ""),
-              HasSubstr("diameter_min: \"0.2 mm\": the sieve curve says 0.3 mm"));
-  EXPECT_THAT(of_sand("by = \"mass\"\n", "diameter_min = \"0 mm\"\n"),
-              HasSubstr("diameter_min: \"0 mm\": missing"));
-}
-
-TEST(SceneMistakes, ContactsOfGrainsThatMakeNoSenseAreNamed) {
-  const auto pairs = [](const std::string& list) {
-    return complaint(good + "[infill.dem]\npairs = [" + list + "]\n");
-  };
-  const std::string materials = "materials = [\"sand\", \"sbr\"]";
-  EXPECT_THAT(pairs("{ " + materials + " }"), StartsWith("a.toml:25: infill.dem.pairs.0"));
-  EXPECT_THAT(pairs("{ " + materials + " }"), HasSubstr("gives nothing"));
-  EXPECT_THAT(pairs("{ materials = [\"sand\", \"sand\"], friction = 0.4 }"),
-              HasSubstr("a material and itself"));
-  EXPECT_THAT(
-      pairs("{ " + materials + ", friction = 0.4 }, { materials = [\"sbr\", \"sand\"], restitution = 0.4 }"),
-      HasSubstr("pairs.1.materials"));
-  EXPECT_THAT(pairs("{ materials = [\"sand\", \"mixture\"], friction = 0.4 }"),
-              HasSubstr("\"mixture\" has no [grain]"));
-  EXPECT_THAT(pairs("{ " + materials + ", restitution = 1.2 }"), HasSubstr("pairs.0.restitution: 1.2"));
-  EXPECT_THAT(pairs("{ " + materials + ", cohesion_energy_density = \"1 N\" }"),
-              HasSubstr("pairs.0.cohesion_energy_density: \"1 N\""));
-  EXPECT_THAT(complaint(good + "[infill.dem]\ncharacteristic_velocity = \"1 m/s\"\n"),
-              AllOf(StartsWith("a.toml:25: infill.dem.characteristic_velocity"),
-                    HasSubstr("is for contact = \"hooke\"")));
-  EXPECT_THAT(complaint(good + "[infill.dem]\ncontact = \"jkr\"\n"),
-              HasSubstr("infill.dem.contact: \"jkr\""));
 }
 
 TEST(SceneMistakes, KeysOfAShellMaterialThatDoNotGoTogetherAreNamed) {

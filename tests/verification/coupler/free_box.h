@@ -77,12 +77,12 @@ struct FreeBox {
 
 inline FreeBox run_free_box(const GrainCase& setup, std::uint64_t steps) {
   Simulation s = make(setup, shaken(setup.grains.size()));
-  const Vec3 before = momentum_of(s);
+  const Vec3 before = momentum(s);
   double scale = 0;
   const ParticleView p = s.infill().particles();
   for (std::size_t i = 0; i < p.size(); ++i) scale += p.mass[i] * p.velocity(i).norm();
   while (s.windows() < steps) s.advance_interval(100 * setup.window);
-  return {(momentum_of(s) - before).norm() / scale, s.momentum_error(), s.ledger().largest_error(),
+  return {(momentum(s) - before).norm() / scale, s.momentum_error(), s.ledger().largest_error(),
           s.ledger().last()};
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coupler/simulation.h"
+#include "momentum.h"
 #include "tests/verification/dem_bridge/bridge_scene.h"
 
 namespace tuft::coupler {
@@ -69,15 +70,6 @@ inline Simulation make(const GrainCase& setup, const std::vector<std::pair<Vec3,
   parts.release_overlap = setup.release_time > 0;
   parts.numerics.contact_release_time = setup.release_time;
   return Simulation(std::move(parts));
-}
-
-inline Vec3 momentum_of(const Simulation& s) {
-  Vec3 sum(0, 0, 0);
-  const fe::NodeView n = s.carpet().nodes();
-  for (std::size_t i = 0; i < n.x.size(); ++i) sum += n.mass[i] * Vec3(n.vx[i], n.vy[i], n.vz[i]);
-  const ParticleView p = s.infill().particles();
-  for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.velocity(i);
-  return sum;
 }
 
 }  // namespace tuft::coupler

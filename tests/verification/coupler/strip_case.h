@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "coupler/simulation.h"
+#include "momentum.h"
 #include "point_infill.h"
 
 namespace tuft::coupler {
@@ -139,15 +140,6 @@ inline Simulation make(const StripCase& setup, std::unique_ptr<PointInfill> infi
   parts.skin = 5e-4;
   parts.release_overlap = setup.release;
   return Simulation(std::move(parts));
-}
-
-inline Vec3 momentum(const Simulation& s) {
-  Vec3 sum(0, 0, 0);
-  const fe::NodeView n = s.carpet().nodes();
-  for (std::size_t i = 0; i < n.x.size(); ++i) sum += n.mass[i] * Vec3(n.vx[i], n.vy[i], n.vz[i]);
-  const ParticleView p = s.infill().particles();
-  for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.velocity(i);
-  return sum;
 }
 
 }  // namespace tuft::coupler

@@ -10,7 +10,7 @@
 #include "dem_bridge/cohesion.h"
 #include "dem_bridge/hertz.h"
 #include "dem_bridge/hooke.h"
-#include "tests/verification/dem_bridge/bridge_scene.h"
+#include "tests/verification/dem_bridge/squeezed_block.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -130,28 +130,6 @@ TEST(EnergyOfModels, ObliqueCollisionWithFrictionAndRollingBalances) {
       }
 }
 
-/// The largest excess of the sum of energies in a block that walls squeeze by a sixth and let go, over what
-/// was dissipated.
-double created_energy(const DemSettings& settings, double cohesion, double steps_of_stability) {
-  ShakenBlock block(5);
-  block.materials = {grain(0.5, cohesion)};
-  DemInfill infill(block.grains, block.materials, settings);
-  const double window = steps_of_stability * infill.stable_step(), width = block.half_width, period = 1.5e-3;
-  double start = 0, created = 0;
-  for (int k = 0; k * window < period; ++k) {
-    block.half_width = width * (1 - 0.075 * (1 - std::cos(2 * std::numbers::pi * k * window / period)));
-    infill.begin_window(window, 1, true);
-    infill.advance(window, 1, block.confine(infill, window));
-    const InfillEnergy energy = infill.energy();
-    const double sum =
-        energy.kinetic + energy.stored + energy.dissipated + energy.damping - energy.contact_work;
-    if (k == 0) start = sum;
-    created = std::max(created, sum - start);
-  }
-  EXPECT_GT(infill.energy().dissipated, 1e-5) << "hardly squeezed";
-  return created / infill.energy().dissipated;
-}
-
 TEST(EnergyOfModels, SqueezedBlockBalancesAtTheStableStepAndShowsOneBeyond) {
   for (const GrainContact contact : {GrainContact::hertz, GrainContact::hooke})
     for (const RollingModel rolling : {RollingModel::epsd2, RollingModel::cdt})
@@ -159,13 +137,13 @@ TEST(EnergyOfModels, SqueezedBlockBalancesAtTheStableStepAndShowsOneBeyond) {
         DemSettings settings = with(contact, cohesion > 0);
         settings.rolling_resistance = true;
         settings.options.rolling = rolling;
-        const double created = created_energy(settings, cohesion, 0.8);
+        const double created = created_by_squeezing(settings, grain(0.5, cohesion), 0.8);
         EXPECT_LT(created, 1e-9) << static_cast<int>(contact) << static_cast<int>(rolling) << cohesion;
         RecordProperty("created" + std::to_string(static_cast<int>(contact)) +
                            std::to_string(static_cast<int>(rolling)) + (cohesion > 0 ? "c" : ""),
                        std::to_string(1e6 * created) + "e-6");
       }
-  EXPECT_GT(created_energy(with(GrainContact::hooke), 0, 4), 0.1);
+  EXPECT_GT(created_by_squeezing(with(GrainContact::hooke), grain(0.5, 0), 4), 0.1);
 }
 
 /// Two cohesive grains at balance, pulled apart with a force for 100 ms: whether they still touch.
