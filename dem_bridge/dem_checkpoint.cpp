@@ -32,23 +32,6 @@ void DemInfill::Impl::read_vectors(const h5::Group& group, const char* name, std
                 array(first + c).begin());
 }
 
-void DemInfill::Impl::write_loads(h5::Group& group, const char* name,
-                                  std::array<double, 3> GrainLoadRecord::*part) {
-  std::vector<double> values;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (const GrainLoadRecord& load : memory().loads()) values.push_back((load.*part)[c]);
-  group.write(name, values, {3, grains.size()});
-  loaded.assign(grains.size(), 1);  // with forces of the host's
-}
-
-void DemInfill::Impl::read_loads(const h5::Group& group, const char* name,
-                                 std::array<double, 3> GrainLoadRecord::*part) {
-  const std::vector<double> values = read_three(group, name, grains.size());
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < grains.size(); ++i)
-      (memory().loads()[i].*part)[c] = values[c * grains.size() + i];
-}
-
 void DemInfill::save(h5::Group& group) {
   Impl& my = *impl_;
   my.ask(Request::save, "restart");
@@ -59,8 +42,8 @@ void DemInfill::save(h5::Group& group) {
   my.write_vectors(group, "position", SharedArrays::position_x);
   my.write_vectors(group, "velocity", SharedArrays::velocity_x);
   my.write_vectors(group, "spin", SharedArrays::spin_x);
-  my.write_loads(group, "own_force", &GrainLoadRecord::linear);
-  my.write_loads(group, "own_torque", &GrainLoadRecord::angular);
+  my.write_vectors(group, "own_force", SharedArrays::impulse_x);
+  my.write_vectors(group, "own_torque", SharedArrays::angular_impulse_x);
   group.write("works",
               std::vector<double>{sums.pair_work, sums.contact_work, sums.damping_work, sums.last_pair_work,
                                   sums.last_contact_work, sums.last_damping_work, sums.kinetic, sums.stored,
@@ -108,8 +91,8 @@ void DemInfill::load(const h5::Group& group) {
   my.read_vectors(group, "position", SharedArrays::position_x);
   my.read_vectors(group, "velocity", SharedArrays::velocity_x);
   my.read_vectors(group, "spin", SharedArrays::spin_x);
-  my.read_loads(group, "own_force", &GrainLoadRecord::linear);
-  my.read_loads(group, "own_torque", &GrainLoadRecord::angular);
+  my.read_vectors(group, "own_force", SharedArrays::impulse_x);
+  my.read_vectors(group, "own_torque", SharedArrays::angular_impulse_x);
   my.shared().step = group.read_double("step");
   my.sums = {works[0], works[1], works[2], works[3], works[4], works[5], works[6], works[7]};
   my.stored_is_current = works[8] != 0;

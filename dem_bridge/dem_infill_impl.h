@@ -58,7 +58,6 @@ struct DemInfill::Impl {
   std::uint64_t steps = 0;  // substeps so far
   double waiting = 0, exchanging = 0;
   std::vector<std::uint8_t> expelled_mask;  // as ParticleView has it
-  std::vector<std::uint8_t> loaded;         // 0: the grain's load in the shared memory is zero
   HostSums sums;
   ExpelledSums expelled;
   std::vector<double> overlap_largest;  // over the run, by pair_place of `used`
@@ -97,8 +96,6 @@ struct DemInfill::Impl {
   // Checkpoints (dem_checkpoint.cpp).
   void write_vectors(h5::Group& group, const char* name, std::size_t first);
   void read_vectors(const h5::Group& group, const char* name, std::size_t first);
-  void write_loads(h5::Group& group, const char* name, std::array<double, 3> GrainLoadRecord::*part);
-  void read_loads(const h5::Group& group, const char* name, std::array<double, 3> GrainLoadRecord::*part);
 };
 
 }  // namespace tuft::dem

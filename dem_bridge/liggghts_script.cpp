@@ -143,7 +143,7 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
   text +=
       "units si\n"
       "atom_style granular\n"
-      "atom_modify map array\n"
+      "atom_modify map array sort 0 0\n"
       "boundary f f f\n"
       "newton off\n"
       "communicate single vel yes\n";
@@ -198,12 +198,13 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
   }
   text += model + "\npair_coeff * *\n";
   text += fmt::format("timestep {:.17g}\n", step);
-  text +=
+  text += fmt::format(
       "fix integrate all nve/sphere\n"
-      "fix coupling all external pf/callback 1 1\n"
+      "fix coupling all external pf/callback 1 {}\n"
       "thermo_style custom step\n"
       "thermo 1000000000\n"
-      "thermo_modify lost ignore\n";
+      "thermo_modify lost ignore\n",
+      external_forces_every);
   return text;
 }
 

@@ -14,19 +14,23 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 4;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 5;                 ///< raise with every change of this file
+
+/// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
+/// forces when that calls it.
+inline constexpr std::int64_t external_forces_every = 1'000'000'000;
 
 /// Driver to host. Every rank gives exactly one answer to a request.
 enum class Request : char {
   hello = 'h',     ///< text: none; answered once the host has mapped the memory
   commands = 'c',  ///< text: LIGGGHTS commands, one a line, files in the host's folder; the host adds its own
                    ///< fixes and does the first set-up. Fills `mass` and `radius`
-  advance = 'a',   ///< one window: `step`, `substeps`, `damping` and the loads of the shared memory
+  advance = 'a',   ///< one window: `step`, `substeps`, `damping` and contact impulses of the shared memory
   census = 'p',    ///< fills `coordination` with 1 for every grain that is there
   energy = 'e',    ///< fills `stored_energy`, nearly: springs' elongations are those of one step later
   contacts = 'o',  ///< fills the coordination numbers; answered with OverlapRecords as bytes
   network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
-  save = 's',      ///< text: name of the restart file to write; own forces and torques into the loads
+  save = 's',      ///< text: name of the restart file to write; own forces and torques in place of impulses
   resume = 'r',    ///< after commands that read a restart file: forces, torques, velocities from the memory
   quit = 'q',      ///< answered, then the host ends
 };
@@ -108,15 +112,11 @@ struct RankState {
   std::array<char, 8192> words{};
 };
 
-/// The contact impulse of the window on one grain (save and resume: own force, N, and torque, N m). One
-/// cache line, since LIGGGHTS goes through its grains in another order than that of their indices.
-struct alignas(64) GrainLoadRecord {
-  std::array<double, 3> linear{};   ///< N s
-  std::array<double, 3> angular{};  ///< N m s
-};
+/// Grains that SharedArrays::loaded tells of together.
+inline constexpr std::size_t load_block = 32;
 
-/// What lies behind SharedState: a RankState a rank, the loads, and arrays, each `grains` long, by grain
-/// index (LIGGGHTS tag - 1).
+/// What lies behind SharedState: a RankState a rank, and arrays, each `grains` long, by grain index
+/// (LIGGGHTS tag - 1).
 struct SharedArrays {
   enum Name : std::size_t {
     position_x,
@@ -128,9 +128,16 @@ struct SharedArrays {
     spin_x,
     spin_y,
     spin_z,
+    impulse_x,  ///< N s, contact impulse of the window on the grain; save and resume: own force, N
+    impulse_y,
+    impulse_z,
+    angular_impulse_x,  ///< N m s; own torque, N m
+    angular_impulse_y,
+    angular_impulse_z,
     mass,
     radius,
     coordination,
+    loaded,    ///< of block b, grains from load_block b on: 0, no contact impulses, and theirs are not read
     expelled,  ///< 1: has left the box (written by the host; by the driver before a resume), else 0
     count
   };
@@ -146,7 +153,7 @@ struct SharedArrays {
     return aligned(sizeof(SharedState)) + rank * aligned(sizeof(RankState));
   }
   static constexpr std::size_t array_offset(std::size_t grains, std::size_t ranks, std::size_t name) {
-    return rank_offset(ranks) + grains * sizeof(GrainLoadRecord) + name * padded(grains) * sizeof(double);
+    return rank_offset(ranks) + name * padded(grains) * sizeof(double);
   }
   static constexpr std::size_t total_bytes(std::size_t grains, std::size_t ranks) {
     return array_offset(grains, ranks, Name::count);

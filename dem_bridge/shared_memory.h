@@ -27,9 +27,6 @@ class SharedMemory {
   [[nodiscard]] std::span<double> array(std::size_t name) const {
     return {at<double>(SharedArrays::array_offset(grains_, ranks(), name)), grains_};
   }
-  [[nodiscard]] std::span<GrainLoadRecord> loads() const {
-    return {at<GrainLoadRecord>(SharedArrays::rank_offset(ranks())), grains_};
-  }
   [[nodiscard]] std::size_t ranks() const { return state().ranks; }
   [[nodiscard]] RankState& rank(std::size_t r) const { return *at<RankState>(SharedArrays::rank_offset(r)); }
   /// The last lines LIGGGHTS printed on a rank, oldest first.

@@ -19,7 +19,7 @@ enum class FileRequest : char {
 
 /// A part of the memory.
 using Block = std::uint64_t;
-inline constexpr Block state_block = 0, rank_block = 1, loads_block = 2, first_array_block = 16;
+inline constexpr Block state_block = 0, rank_block = 1, first_array_block = 16;
 constexpr Block array_block(std::size_t name) {
   return first_array_block + name;
 }

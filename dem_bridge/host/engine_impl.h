@@ -66,12 +66,16 @@ struct LiggghtsEngine::Impl {
   struct Components {
     double *x, *y, *z;
     [[nodiscard]] Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+    void set(std::size_t i, const Vec3& value) const { x[i] = value.x(), y[i] = value.y(), z[i] = value.z(); }
   };
   [[nodiscard]] Components components(std::size_t first) const {
     return {memory.array(first).data(), memory.array(first + 1).data(), memory.array(first + 2).data()};
   }
 
   // The state that driver and host exchange (exchange.cpp).
+  [[nodiscard]] bool in_our_order() const;
+  [[nodiscard]] bool copy_in_order(bool& all_inside);
+  [[nodiscard]] bool copy_by_number(bool& all_inside);
   void publish_state();
   void take_velocities();
   void publish_own_forces();

@@ -4,57 +4,80 @@
 /// Leapfrog from v- = v(t - dt/2) to v+ = v(t + dt/2) under the pair force f, gravity, the contact force and
 /// a damping force -c m v taken at the middle: v = (v- + v+)/2 solves v = (v- + dt a/2) / (1 + c dt/2), which
 /// is stable for any c dt and never feeds energy in. Spin alike, with the moment of inertia 2/5 m r^2.
+///
+/// Written for one grain (Vec3 and double) and for as many at once as there are lanes (Pack3 and Pack).
+#include "core/lanes.h"
 #include "core/vector.h"
 
 namespace tuft::dem {
 
-struct GrainState {
-  Vec3 velocity;     ///< m/s, v- + dt f/2m: at t as far as the pair force goes
-  Vec3 spin;         ///< rad/s, alike
-  Vec3 pair_force;   ///< N, of the other grains at t
-  Vec3 pair_torque;  ///< N m
-  double mass;       ///< kg
-  double inertia;    ///< kg m^2
+/// A vector in each lane.
+struct Pack3 {
+  Pack x, y, z;
+
+  [[nodiscard]] Pack dot(const Pack3& o) const { return x * o.x + y * o.y + z * o.z; }
+  [[nodiscard]] Pack squaredNorm() const { return dot(*this); }
+  friend Pack3 operator+(const Pack3& a, const Pack3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Pack3 operator-(const Pack3& a, const Pack3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Pack3 operator*(const Pack& s, const Pack3& a) { return {s * a.x, s * a.y, s * a.z}; }
 };
 
-struct GrainLoad {
-  Vec3 contact_force;   ///< N
-  Vec3 contact_torque;  ///< N m
-  Vec3 gravity;         ///< m/s^2
-  double damping;       ///< 1/s
-  double step;          ///< s
+template <class Vector, class Number>
+struct GrainStateOf {
+  Vector velocity;     ///< m/s, v- + dt f/2m: at t as far as the pair force goes
+  Vector spin;         ///< rad/s, alike
+  Vector pair_force;   ///< N, of the other grains at t
+  Vector pair_torque;  ///< N m
+  Number mass;         ///< kg
+  Number inertia;      ///< kg m^2
 };
+using GrainState = GrainStateOf<Vec3, double>;
 
-struct GrainKick {
-  Vec3 middle;        ///< m/s, velocity at t
-  Vec3 middle_spin;   ///< rad/s
-  Vec3 added_force;   ///< N, to be added to the pair force
-  Vec3 added_torque;  ///< N m
-  double kinetic;     ///< J, mean of the values before and after
-  double pair_work;   ///< J over the step
-  double contact_work;
-  double damping_work;
+template <class Vector>
+struct GrainLoadOf {
+  Vector contact_force;   ///< N
+  Vector contact_torque;  ///< N m
+  Vector gravity;         ///< m/s^2
+  double damping;         ///< 1/s
+  double step;            ///< s
 };
+using GrainLoad = GrainLoadOf<Vec3>;
 
-[[gnu::always_inline]] inline GrainKick kick_grain(const GrainState& grain, const GrainLoad& load) {
+template <class Vector, class Number>
+struct GrainKickOf {
+  Vector middle;        ///< m/s, velocity at t
+  Vector middle_spin;   ///< rad/s
+  Vector added_force;   ///< N, to be added to the pair force
+  Vector added_torque;  ///< N m
+  Number kinetic;       ///< J, mean of the values before and after
+  Number pair_work;     ///< J over the step
+  Number contact_work;
+  Number damping_work;
+};
+using GrainKick = GrainKickOf<Vec3, double>;
+
+template <class Vector, class Number>
+[[gnu::always_inline]] inline GrainKickOf<Vector, Number> kick_grain(
+    const GrainStateOf<Vector, Number>& grain, const GrainLoadOf<Vector>& load) {
   const double half = 0.5 * load.step;
-  const double slowing = 1.0 / (1.0 + load.damping * half);
-  const Vec3 force = load.contact_force + grain.mass * load.gravity;
-  GrainKick kick;
-  kick.middle = (grain.velocity + half / grain.mass * force) * slowing;
-  kick.middle_spin = (grain.spin + half / grain.inertia * load.contact_torque) * slowing;
-  kick.added_force = force - load.damping * grain.mass * kick.middle;
-  kick.added_torque = load.contact_torque - load.damping * grain.inertia * kick.middle_spin;
+  const Number slowing = 1.0 / (1.0 + load.damping * half), damping = load.damping;
+  const Number of_force = half / grain.mass, of_torque = half / grain.inertia;
+  const Vector force = load.contact_force + grain.mass * load.gravity;
+  GrainKickOf<Vector, Number> kick;
+  kick.middle = slowing * Vector(grain.velocity + of_force * force);
+  kick.middle_spin = slowing * Vector(grain.spin + of_torque * load.contact_torque);
+  kick.added_force = force - Number(damping * grain.mass) * kick.middle;
+  kick.added_torque = load.contact_torque - Number(damping * grain.inertia) * kick.middle_spin;
   // (v-^2 + v+^2)/2 = v^2 + (dt a/2)^2
-  const Vec3 change = half / grain.mass * (grain.pair_force + kick.added_force);
-  const Vec3 spin_change = half / grain.inertia * (grain.pair_torque + kick.added_torque);
-  const double squared = kick.middle.squaredNorm(), spin_squared = kick.middle_spin.squaredNorm();
+  const Vector change = of_force * Vector(grain.pair_force + kick.added_force);
+  const Vector spin_change = of_torque * Vector(grain.pair_torque + kick.added_torque);
+  const Number squared = kick.middle.squaredNorm(), spin_squared = kick.middle_spin.squaredNorm();
   kick.kinetic = 0.5 * grain.mass * (squared + change.squaredNorm()) +
                  0.5 * grain.inertia * (spin_squared + spin_change.squaredNorm());
   kick.pair_work = load.step * (grain.pair_force.dot(kick.middle) + grain.pair_torque.dot(kick.middle_spin));
   kick.contact_work =
       load.step * (load.contact_force.dot(kick.middle) + load.contact_torque.dot(kick.middle_spin));
-  kick.damping_work = -load.step * load.damping * (grain.mass * squared + grain.inertia * spin_squared);
+  kick.damping_work = -load.step * damping * (grain.mass * squared + grain.inertia * spin_squared);
   return kick;
 }
 

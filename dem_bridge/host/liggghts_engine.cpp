@@ -25,10 +25,10 @@ LiggghtsEngine::Impl::Impl(SharedMemory& shared_memory, int rank)
 
 /// x(t), v(t - dt/2), own forces at t: before the last substep's closing half kick they are published, before
 /// the others' the window's load is added.
-void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint, int count, int*, double**,
+void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int count, int*, double**,
                                     double** external) {
   auto& engine = *static_cast<Impl*>(self);
-  if (count > 0)
+  if (count > 0 && timestep % external_forces_every == 0)
     std::fill_n(external[0], 3 * static_cast<std::size_t>(count), 0.0);  // rows follow each other
   if (!engine.stepping) return;
   const auto start = Clock::now();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 namespace tuft::dem {
@@ -62,6 +63,47 @@ TEST_F(Kick, WithoutDampingNothingIsAddedBeyondContactAndGravity) {
   EXPECT_EQ(kick.added_force, Vec3(given.contact_force + state.mass * given.gravity));
   EXPECT_EQ(kick.added_torque, given.contact_torque);
   EXPECT_EQ(kick.damping_work, 0);
+}
+
+Pack3 of_lanes(const std::array<Vec3, lanes>& values) {
+  const auto component = [&](Eigen::Index c) { return Pack([&](auto lane) { return values[lane][c]; }); };
+  return {component(0), component(1), component(2)};
+}
+
+TEST_F(Kick, OfManyGrainsAtOnceIsThatOfEach) {
+  std::array<GrainState, lanes> grains;
+  std::array<GrainLoad, lanes> loads;
+  std::array<Vec3, lanes> velocity, spin, pair_force, pair_torque, force, torque;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    grains[l] = grain(vector(1), vector(10), 1e-6);
+    grains[l].mass *= 1.0 + 0.1 * static_cast<double>(l);
+    loads[l] = load(1e5);
+    velocity[l] = grains[l].velocity, spin[l] = grains[l].spin;
+    pair_force[l] = grains[l].pair_force, pair_torque[l] = grains[l].pair_torque;
+    force[l] = loads[l].contact_force, torque[l] = loads[l].contact_torque;
+  }
+  const GrainStateOf<Pack3, Pack> together{of_lanes(velocity),
+                                           of_lanes(spin),
+                                           of_lanes(pair_force),
+                                           of_lanes(pair_torque),
+                                           Pack([&](auto lane) { return grains[lane].mass; }),
+                                           grains[0].inertia};
+  std::array<Vec3, lanes> gravity;
+  gravity.fill(loads[0].gravity);
+  const auto kicks = kick_grain(
+      together, GrainLoadOf<Pack3>{of_lanes(force), of_lanes(torque), of_lanes(gravity), 1e5, 1e-6});
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const GrainKick one = kick_grain(grains[l], loads[l]);
+    EXPECT_NEAR(kicks.middle.y[l], one.middle.y(), 1e-14);
+    EXPECT_NEAR(kicks.middle_spin.z[l], one.middle_spin.z(), 1e-13);
+    EXPECT_NEAR(kicks.added_force.x[l], one.added_force.x(), 1e-14);
+    EXPECT_NEAR(kicks.added_torque.y[l], one.added_torque.y(), 1e-17);
+    EXPECT_NEAR(kicks.kinetic[l], one.kinetic, 1e-14 * one.kinetic);
+    const double scale = 1e-14 * one.kinetic;
+    EXPECT_NEAR(kicks.pair_work[l], one.pair_work, scale);
+    EXPECT_NEAR(kicks.contact_work[l], one.contact_work, scale);
+    EXPECT_NEAR(kicks.damping_work[l], one.damping_work, scale);
+  }
 }
 
 }  // namespace

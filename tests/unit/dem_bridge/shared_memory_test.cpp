@@ -22,12 +22,10 @@ TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
   ASSERT_EQ(host.grains(), 1001u);
   for (std::size_t name = 0; name < SharedArrays::count; ++name)
     for (double& value : driver.array(name)) value = static_cast<double>(name) + 0.5;
-  for (GrainLoadRecord& load : driver.loads()) load.angular.fill(-3);
   for (std::size_t rank = 0; rank < 3; ++rank) driver.rank(rank).grains = 5 + rank;
   EXPECT_EQ(host.ranks(), 3u);
   EXPECT_EQ(host.grains(), 1001u);
   for (std::size_t rank = 0; rank < 3; ++rank) EXPECT_EQ(host.rank(rank).grains, 5 + rank);
-  EXPECT_EQ(host.loads()[1000].angular[2], -3);
   for (std::size_t name = 0; name < SharedArrays::count; ++name) {
     EXPECT_EQ(host.array(name)[0], static_cast<double>(name) + 0.5) << "arrays overlap";
     EXPECT_EQ(host.array(name)[1000], static_cast<double>(name) + 0.5) << "arrays overlap";
