@@ -9,11 +9,12 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 16> named_effects{{
+inline constexpr std::array<EffectName, 17> named_effects{{
     {"fibres", "strands of the carpet; off: the backing alone"},
     {"friction_rate", "friction that changes with sliding speed"},
     {"artificial_viscosity", "artificial viscosity (sph)"},
     {"zero_energy_control", "no motion that velocity gradients do not see (sph)"},
+    {"fibre_separation", "infill on both sides of a strand that does not act through it (sph)"},
     {"tension_cutoff", "infill that cannot bear tension (sph)"},
     {"rolling_resistance", "resistance of grains to rolling (dem)"},
     {"grain_cohesion", "grains that hold to each other (dem)"},

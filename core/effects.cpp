@@ -48,6 +48,11 @@ bool depends_on_speed(const FrictionLaw& law) {
   return law.decay > 0 && law.dynamic_coefficient != law.static_coefficient;
 }
 
+bool is_switched_off(const Scene& scene, const std::string& effect) {
+  const auto chosen = scene.effects.choice.find(effect);
+  return chosen != scene.effects.choice.end() && chosen->second == Switch::off;
+}
+
 Need need_fibres(const Scene& scene) {
   if (scene.rig.is_specimen()) return {false, "a specimen of infill has no carpet"};
   return {true, "the turf has a carpet: its strands confine the infill and carry part of the load"};
@@ -72,6 +77,18 @@ Need need_artificial_viscosity(const Scene& scene) {
 Need need_zero_energy_control(const Scene& scene) {
   if (scene.infill.sph.zero_energy_viscosity == 0) return {false, "infill.sph.zero_energy_viscosity is 0"};
   return {true, "SPH needs it against motion of neighbours that no velocity gradient sees"};
+}
+
+Need need_fibre_separation(const Scene& scene) {
+  if (scene.rig.type == "pull_out") return {true, "what presses on the strand is what the rig measures"};
+  return {false, "a choice: strands are about as wide as particles are apart, and most pairs see past them"};
+}
+
+Need usable_fibre_separation(const Scene& scene) {
+  if (scene.rig.is_specimen() && scene.rig.type != "pull_out")
+    return {false, "a specimen of infill has no strands"};
+  if (is_switched_off(scene, "fibres")) return {false, "effects.fibres is off"};
+  return {true, ""};
 }
 
 Need need_tension_cutoff(const Scene&) {
@@ -136,11 +153,6 @@ Need need_erosion(const Scene& scene) {
 /// Name of the first layer's material whose continuum passes a test, or empty.
 std::string first_continuum(const Scene& scene, const std::function<bool(const SoilFoamMaterial&)>& test) {
   return first_with(scene, [&](const Material& m) { return m.continuum && test(*m.continuum); });
-}
-
-bool is_switched_off(const Scene& scene, const std::string& effect) {
-  const auto chosen = scene.effects.choice.find(effect);
-  return chosen != scene.effects.choice.end() && chosen->second == Switch::off;
 }
 
 bool hardens(const SoilFoamMaterial& m) {
@@ -211,6 +223,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"friction_rate", std::nullopt, need_friction_rate},
     {"artificial_viscosity", Approach::sph, need_artificial_viscosity},
     {"zero_energy_control", Approach::sph, need_zero_energy_control},
+    {"fibre_separation", Approach::sph, need_fibre_separation, usable_fibre_separation},
     {"tension_cutoff", Approach::sph, need_tension_cutoff},
     {"rolling_resistance", Approach::dem, need_rolling_resistance},
     {"grain_cohesion", Approach::dem, need_grain_cohesion},
@@ -259,6 +272,7 @@ std::vector<EffectDecision> decide_effects(const Scene& scene) {
   // filled turf.
   const auto can_act = [&](std::string_view name) {
     if (scene.rig.is_component()) return name == "erosion";
+    if (name == "fibre_separation" && scene.rig.is_specimen()) return scene.rig.type == "pull_out";
     return !scene.rig.is_specimen() || (name != "erosion" && name != "fibres" && name != "overlap_release");
   };
   for (const EffectRule& rule : rules)

@@ -256,6 +256,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.skin = search_skin(scene.infill.approach, particles.radius);
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = effect_on(request.effects, "overlap_release");
+  parts.separated_at_fibres = effect_on(request.effects, "fibre_separation");
   parts.time = request.start_time;
   built.simulation = std::make_unique<Simulation>(std::move(parts));
   return built;

@@ -114,7 +114,25 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
   body.load = force;
 }
 
+void Simulation::show_sheets() {
+  const ScopedPhase phase(timers_, Phase::search);
+  const fe::ShellMesh& mesh = parts_.carpet->mesh();
+  const fe::NodeView nodes = parts_.carpet->nodes();
+  const std::span<const std::uint8_t> eroded = parts_.carpet->eroded();
+  sheets_.clear();
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
+    if (mesh.surface[e] == fe::ShellMesh::backing_surface || (!eroded.empty() && eroded[e] != 0)) continue;
+    std::array<Vec3, 4>& sheet = sheets_.emplace_back();
+    for (std::size_t c = 0; c < 4; ++c) {
+      const auto n = static_cast<std::size_t>(mesh.quads[e][c]);
+      sheet[c] = Vec3(nodes.x[n], nodes.y[n], nodes.z[n]);
+    }
+  }
+  parts_.infill->set_sheets(sheets_);
+}
+
 void Simulation::advance_interval(double interval) {
+  if (parts_.separated_at_fibres) show_sheets();
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);

@@ -1,6 +1,7 @@
 #pragma once
 /// The coupled step: carpet, infill and bodies over one window, contact between them, and the books that are
 /// kept.
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,9 +28,10 @@ struct SimulationParts {
   std::vector<double> node_radius;  ///< m, half thickness at each node
   Vec3 gravity{0, 0, -9.81};        ///< m/s^2
   Numerics numerics;
-  double skin = 0;              ///< m, reach of contact candidates beyond touching
-  double energy_scale = 0;      ///< J, see EnergyLedger
-  bool release_overlap = true;  ///< effect overlap_release
+  double skin = 0;                   ///< m, reach of contact candidates beyond touching
+  double energy_scale = 0;           ///< J, see EnergyLedger
+  bool release_overlap = true;       ///< effect overlap_release
+  bool separated_at_fibres = false;  ///< effect fibre_separation
   bool nodes_touch_bodies =
       true;         ///< false: the carpet passes through bodies (a strand through a wall's slot)
   double time = 0;  ///< s at the start
@@ -110,6 +112,8 @@ class Simulation {
   bool shorten_rest(double rest);
   void advance_window(bool last);
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
+  /// Tells the infill where strands are.
+  void show_sheets();
   void step_carpet();
   void advance_bodies(Vec3& taken, double& scale);
   void check_candidates();
@@ -148,6 +152,7 @@ class Simulation {
   ContactImpulses impulses_;
   BodyImpulses body_impulses_;
   std::vector<Vec3> interval_impulse_;
+  std::vector<std::array<Vec3, 4>> sheets_;  ///< strands, for an infill that they separate
   std::vector<float> contact_rates_;
 
   struct Reference {  ///< where everything stood at the last search

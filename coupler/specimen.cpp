@@ -201,6 +201,7 @@ std::unique_ptr<Simulation> build_specimen(const SpecimenRequest& request) {
   parts.skin = search_skin(scene.infill.approach, particles.radius);
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = false;
+  parts.separated_at_fibres = effect_on(request.effects, "fibre_separation");
   return std::make_unique<Simulation>(std::move(parts));
 }
 

@@ -165,6 +165,21 @@ void NeighbourList::find_candidates(const Vec3Array& positions, std::size_t begi
   scratch.found.take_sorted(scratch.candidates);
 }
 
+/// From rows that are not padded yet.
+void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const {
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::span<const Index> gone = separated_.of(i);
+    if (gone.empty()) continue;
+    const std::size_t l = i - begin;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < scratch.length[l]; ++k) {
+      const Index j = scratch.rows[k * lanes + l];
+      if (!std::binary_search(gone.begin(), gone.end(), j)) scratch.rows[kept++ * lanes + l] = j;
+    }
+    scratch.length[l] = kept;
+  }
+}
+
 /// Rows of the group [begin, end), side by side.
 void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end,
                               Scratch& scratch) const {
@@ -192,6 +207,7 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
   }
   for (std::size_t l = 0; l < lanes; ++l)
     scratch.length[l] = l < count && !is_left_out(begin + l) ? next[l] / lanes : 0;
+  if (!separated_.empty()) drop_separated(begin, end, scratch);
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < lanes; ++l)
     for (std::size_t k = scratch.length[l]; k < longest; ++k)

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/lanes.h"
+#include "sph_infill/separated_pairs.h"
 
 namespace tuft::sph {
 
@@ -51,6 +53,10 @@ class NeighbourList {
     left_out_[static_cast<std::size_t>(particle)] = 1;
   }
 
+  /// From the next build on these pairs are no neighbours, however close.
+  void separate(SeparatedPairs pairs) { separated_ = std::move(pairs); }
+  [[nodiscard]] const SeparatedPairs& separated() const { return separated_; }
+
   /// While no particle has moved farther than half the skin since the last build, by whatever frame common to
   /// all, no pair within the support is missed.
   [[nodiscard]] double allowed_displacement() const { return 0.5 * skin_; }
@@ -80,6 +86,7 @@ class NeighbourList {
                        Scratch& scratch) const;
   void make_rows(const Vec3Array& positions, std::size_t block);
   void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
+  void drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const;
 
   double support_ = 0, skin_ = 0, next_skin_ = 0, reach_ = 0, cell_size_ = 1;
   std::array<double, 3> box_low_{}, box_high_{};
@@ -89,6 +96,7 @@ class NeighbourList {
   std::vector<Index> cell_particle_;
   [[nodiscard]] bool is_left_out(std::size_t i) const { return !left_out_.empty() && left_out_[i] != 0; }
 
+  SeparatedPairs separated_;
   std::vector<std::uint8_t> left_out_;  ///< by particle; empty: none is
   std::uint32_t begun_ = 0;             ///< calls of `begin`
   std::vector<Block> blocks_;

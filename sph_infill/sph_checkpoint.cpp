@@ -87,6 +87,7 @@ void SphInfill::save(h5::Group& group) {
               [&](const char* name, const std::vector<double>& values) { group.write(name, values); });
   visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
+  if (!m.list.separated().empty()) group.write("separated_pairs", m.list.separated().values());
   group.write("expelled", std::vector<double>(m.expelled_index.begin(), m.expelled_index.end()));
   if (m.took_over) {
     group.write("reference_volume", m.particles.reference_volume);
@@ -183,6 +184,8 @@ void SphInfill::load(const h5::Group& group) {
     m.take_out(static_cast<Index>(index));
     ++m.expelled.particles;
   }
+  m.list.separate(group.has("separated_pairs") ? SeparatedPairs(group.read_doubles("separated_pairs"), n)
+                                               : SeparatedPairs());
   m.list.build(m.particles.position);
   if (m.sleep.enabled()) m.load_sleep(group);
   if (m.steps.enabled()) m.load_steps(group);
