@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -135,9 +136,12 @@ class Infill {
   virtual void set_contact_rates(std::span<const float> /*rates*/) {}
   /// Whether the energies are as of the start of the last window. If not they are of an earlier moment.
   [[nodiscard]] virtual bool energy_is_current() const { return true; }
-  /// Where thin sheets lie (corners in order, m), before an interval: particles of a continuum on both sides
-  /// of one do not act on each other until the next call. Grains, which meet only what they touch, pay no heed.
-  virtual void set_sheets(std::span<const std::array<Vec3, 4>> /*sheets*/) {}
+  /// Where thin sheets lie (corners in order, m): particles of a continuum on both sides of one do not act on
+  /// each other until the next call. Returns how far particles and sheets may each move until then, m.
+  /// Grains, which meet only what they touch, pay no heed.
+  virtual double set_sheets(std::span<const std::array<Vec3, 4>> /*sheets*/) {
+    return std::numeric_limits<double>::infinity();
+  }
   /// One coupling window, in `substeps` equal steps of window/substeps.
   /// Throws RunError naming particle, time and field when a value is not finite, or the host is gone.
   virtual AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) = 0;

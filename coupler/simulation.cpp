@@ -96,6 +96,7 @@ void Simulation::replace_infill(std::unique_ptr<Infill> infill, std::vector<Norm
                                  release_at(time_));
   windowed_ = false;  // contact's view goes back from a little ahead to where the particles are
   reference_.valid = false;
+  sheets_hold_ = -1;
 }
 
 void Simulation::drive_body(std::size_t index, const Vec3& velocity) {
@@ -114,10 +115,18 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
   body.load = force;
 }
 
-void Simulation::show_sheets() {
+/// When they, or the infill, may have moved as far as the infill bears. Speeds may grow within an interval.
+void Simulation::show_sheets(double interval) {
   const ScopedPhase phase(timers_, Phase::search);
+  constexpr double growth = 2;
+  const ParticleView particles = parts_.infill->particles();
+  const fe::NodeView moving = parts_.carpet->nodes();
+  sheets_hold_ -=
+      growth * interval *
+      std::max(fastest(particles.vx, particles.vy, particles.vz), fastest(moving.vx, moving.vy, moving.vz));
+  if (sheets_hold_ >= 0) return;
   const fe::ShellMesh& mesh = parts_.carpet->mesh();
-  const fe::NodeView nodes = parts_.carpet->nodes();
+  const fe::NodeView& nodes = moving;
   const std::span<const std::uint8_t> eroded = parts_.carpet->eroded();
   sheets_.clear();
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
@@ -128,11 +137,11 @@ void Simulation::show_sheets() {
       sheet[c] = Vec3(nodes.x[n], nodes.y[n], nodes.z[n]);
     }
   }
-  parts_.infill->set_sheets(sheets_);
+  sheets_hold_ = parts_.infill->set_sheets(sheets_);
 }
 
 void Simulation::advance_interval(double interval) {
-  if (parts_.separated_at_fibres) show_sheets();
+  if (parts_.separated_at_fibres) show_sheets(interval);
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);

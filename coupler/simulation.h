@@ -113,7 +113,7 @@ class Simulation {
   void advance_window(bool last);
   [[nodiscard]] bool has_carpet() const { return !parts_.carpet->mesh().quads.empty(); }
   /// Tells the infill where strands are.
-  void show_sheets();
+  void show_sheets(double interval);
   void step_carpet();
   void advance_bodies(Vec3& taken, double& scale);
   void check_candidates();
@@ -153,6 +153,7 @@ class Simulation {
   BodyImpulses body_impulses_;
   std::vector<Vec3> interval_impulse_;
   std::vector<std::array<Vec3, 4>> sheets_;  ///< strands, for an infill that they separate
+  double sheets_hold_ = -1;  ///< m that particles and strands may move until they are shown again
   std::vector<float> contact_rates_;
 
   struct Reference {  ///< where everything stood at the last search

@@ -79,32 +79,64 @@ bool crosses(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, const V
   return u >= -margin && v >= -margin && u + v <= 1 + margin && t >= 0 && t <= 1;
 }
 
+using Pair = std::array<Index, 2>;  ///< lower index first
+
+/// What one thread needs for the pairs of a sheet.
+struct Sides {
+  struct Point {
+    Vec3 position;
+    double height;  ///< m from the plane that a warped sheet lies about
+    Index particle;
+  };
+  std::vector<Point> above, below;
+};
+
+/// Adds the pairs whose line of centres crosses one sheet.
+void find_across(const Vec3Array& positions, const Cells& cells, const Sheet& given, double reach,
+                 Sides& sides, std::vector<Pair>& found) {
+  const Vec3 centre = 0.25 * (given[0] + given[1] + given[2] + given[3]);
+  const Sheet sheet = enlarged(given, centre, edge * reach);
+  const Vec3 normal = (sheet[2] - sheet[0]).cross(sheet[3] - sheet[1]).normalized();
+  double around = 0;
+  for (const Vec3& corner : sheet) around = std::max(around, (corner - centre).norm());
+  sides.above.clear();
+  sides.below.clear();
+  const double farthest = (around + reach) * (around + reach);
+  const Vec3 range = Vec3::Constant(around + reach);
+  cells.for_each_within(centre - range, centre + range, [&](Index i) {
+    const Vec3 x = positions[static_cast<std::size_t>(i)];
+    const double height = normal.dot(x - centre);
+    if (std::abs(height) > reach || (x - centre).squaredNorm() > farthest) return;
+    (height >= 0 ? sides.above : sides.below).push_back({x, std::abs(height), i});
+  });
+  for (const auto& [a, above, i] : sides.above)
+    for (const auto& [b, below, j] : sides.below) {
+      const Vec3 line = b - a;
+      const double squared = line.squaredNorm();
+      if (above + below > reach || squared >= reach * reach) continue;
+      // A line that meets the sheet passes its centre no farther away than its corners are.
+      if ((centre - a).cross(line).squaredNorm() > around * around * squared) continue;
+      if (crosses(a, b, sheet[0], sheet[1], sheet[2]) || crosses(a, b, sheet[0], sheet[2], sheet[3]))
+        found.push_back({std::min(i, j), std::max(i, j)});
+    }
+}
+
 }  // namespace
 
 SeparatedPairs::SeparatedPairs(const Vec3Array& positions, std::span<const Sheet> sheets, double reach) {
   if (positions.size() == 0 || sheets.empty()) return;
   const Cells cells(positions, reach);
   std::vector<Pair> pairs;
-  std::vector<Index> above, below;
-  for (const Sheet& given : sheets) {
-    const Vec3 centre = 0.25 * (given[0] + given[1] + given[2] + given[3]);
-    const Sheet sheet = enlarged(given, centre, edge * reach);
-    const Vec3 normal = (sheet[2] - sheet[0]).cross(sheet[3] - sheet[1]).normalized();
-    Vec3 low = sheet[0], high = sheet[0];
-    for (const Vec3& corner : sheet) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
-    above.clear();
-    below.clear();
-    cells.for_each_within(low.array() - reach, high.array() + reach, [&](Index i) {
-      const double height = normal.dot(positions[static_cast<std::size_t>(i)] - centre);
-      (height >= 0 ? above : below).push_back(i);
-    });
-    for (const Index i : above)
-      for (const Index j : below) {
-        const Vec3 a = positions[static_cast<std::size_t>(i)], b = positions[static_cast<std::size_t>(j)];
-        if ((a - b).squaredNorm() < reach * reach &&
-            (crosses(a, b, sheet[0], sheet[1], sheet[2]) || crosses(a, b, sheet[0], sheet[2], sheet[3])))
-          pairs.push_back({std::min(i, j), std::max(i, j)});
-      }
+#pragma omp parallel
+  {
+    Sides sides;
+    std::vector<Pair> found;
+#pragma omp for schedule(dynamic, 16) nowait
+    for (std::size_t s = 0; s < sheets.size(); ++s)
+      find_across(positions, cells, sheets[s], reach, sides, found);
+      // In any order: they are sorted afterwards.
+#pragma omp critical
+    pairs.insert(pairs.end(), found.begin(), found.end());
   }
   list(pairs, positions.size());
 }

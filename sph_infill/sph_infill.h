@@ -111,7 +111,7 @@ class SphInfill final : public Infill {
   /// Period of a particle's steps, in steps of the run.
   [[nodiscard]] int period_of(std::size_t particle) const;
   /// See separated_pairs.h. The list of neighbours is built anew where that changes it.
-  void set_sheets(std::span<const std::array<Vec3, 4>> sheets) override;
+  double set_sheets(std::span<const std::array<Vec3, 4>> sheets) override;
   /// Empty contact arrays stand for no contact.
   AdvanceReport advance(double window, int substeps, const ContactImpulses& contact) override;
   void set_damping(double rate) override;

@@ -145,14 +145,17 @@ void SphInfill::Impl::build_list() {
   displacement = 0, list_steps = 1;
 }
 
-void SphInfill::set_sheets(std::span<const std::array<Vec3, 4>> sheets) {
+double SphInfill::set_sheets(std::span<const std::array<Vec3, 4>> sheets) {
   Impl& m = *impl_;
-  // Of all that may come within the support before the next call.
-  constexpr double look_ahead = 1.25;
-  SeparatedPairs pairs(m.particles.position, sheets, look_ahead * 2 * m.settings.options.smoothing_length);
-  if (pairs == m.list.separated()) return;
-  m.list.separate(std::move(pairs));
-  m.displacement = std::numeric_limits<double>::infinity();  // the list is out of date
+  // Pairs farther apart than the support now may come within it until the next call.
+  constexpr double look_ahead = 1.15;
+  const double support = 2 * m.settings.options.smoothing_length;
+  SeparatedPairs pairs(m.particles.position, sheets, look_ahead * support);
+  if (pairs != m.list.separated()) {
+    m.list.separate(std::move(pairs));
+    m.displacement = std::numeric_limits<double>::infinity();  // the list is out of date
+  }
+  return 0.5 * (look_ahead - 1) * support;
 }
 
 void SphInfill::Impl::prepare(const Vec3Array* impulse, double window) {
