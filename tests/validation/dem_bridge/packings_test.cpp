@@ -1,33 +1,15 @@
-/// What a mass of grains does, between bodies of the coupler: packing fraction, Janssen's stress, angle of
-/// repose.
+/// How densely grains pack between bodies of the coupler.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "tests/verification/coupler/grain_case.h"
+#include "tests/verification/coupler/loose_grains.h"
 
 namespace tuft::coupler {
 namespace {
 
 constexpr double radius = 0.001, density = 1150, weight = 9.81;
-
-/// Grains on a loose cubic lattice with random shifts, from `low` upwards, `count` of them.
-void add_loose(GrainCase& setup, const std::array<int, 2>& across, int count, double pitch, double low) {
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> shift(-0.5, 0.5);
-  for (int n = 0; n < count; ++n) {
-    const int layer = n / (across[0] * across[1]), in_layer = n % (across[0] * across[1]);
-    const int i = in_layer % across[0], j = in_layer / across[0];
-    const double room = pitch - 2 * radius;
-    const double x = shift(random), y = shift(random), z = shift(random);
-    dem::test::add_grain(
-        setup.grains,
-        Vec3((i - 0.5 * (across[0] - 1)) * pitch + room * x, (j - 0.5 * (across[1] - 1)) * pitch + room * y,
-             low + (layer + 0.5) * pitch + room * z),
-        radius, density);
-  }
-}
 
 void add_box(GrainCase& setup, double x, double y) {
   setup.bodies.push_back(half_space("floor", Vec3(0, 0, 0), Vec3(0, 0, 1)));
@@ -35,11 +17,6 @@ void add_box(GrainCase& setup, double x, double y) {
   setup.bodies.push_back(half_space("x_high", Vec3(x, 0, 0), Vec3(-1, 0, 0)));
   setup.bodies.push_back(half_space("y_low", Vec3(0, -y, 0), Vec3(0, 1, 0)));
   setup.bodies.push_back(half_space("y_high", Vec3(0, y, 0), Vec3(0, -1, 0)));
-}
-
-void settle(Simulation& s, double damping, double time) {
-  s.set_damping(0, damping);
-  for (int k = 0; k < std::lround(time / 1e-3); ++k) s.advance_interval(1e-3);
 }
 
 /// Share of a box that spheres fill, by points drawn in it.
@@ -68,7 +45,7 @@ TEST(EqualSmoothSpheres, PackToRandomClosePacking) {
   setup.gravity = Vec3(0, 0, -weight);
   setup.damping_ratio = 0.3;
   add_box(setup, 14 * radius, 14 * radius);
-  add_loose(setup, {12, 12}, 2600, 2.3 * radius, 0);
+  add_loose(setup, radius, density, {12, 12}, 2600, 2.3 * radius, 0, 7, [](double, double) { return true; });
   Simulation s = make(setup);
   settle(s, 40, 0.25);
   const ParticleView p = s.infill().particles();
