@@ -206,6 +206,10 @@ void check_conditioning(const Scene& scene, const Places& places) {
     places.fail("conditioning.depth",
                 fmt::format("the infill is only {} deep; make it less than that", in_mm(depth)));
   check_roller(scene, places);
+  if (conditioning.method == "roller" && conditioning.presses > 1)
+    places.fail(
+        "conditioning.presses",
+        "is of a plate (method = \"compaction\"); a roller has conditioning.roller.passes: leave it out");
   if (scene.infill.approach != Approach::sph) return;
   constexpr double densest = 0.64, of_lattice = std::numbers::pi / 6;
   const double placed = of_lattice * std::pow(conditioning.sphere_diameter, 3),
@@ -282,6 +286,16 @@ void check_pull_out(const SpecimenRig& rig, const CarpetDesign& carpet, const Pl
   if (carpet.strand_width > rig.size[1])
     places.fail("rig.size.1", fmt::format("the box is narrower than the strand ({}); make it wider",
                                           in_mm(carpet.strand_width)));
+  constexpr double fewest_rows = 20;  // in which the platens gather speed, and slow down before the stress
+  for (const double speed : rig.speeds) {
+    const double row = rig.sample_travel / (rig.run_speed > 0 ? rig.run_speed : speed);
+    if (rig.load_time < fewest_rows * row)
+      places.fail(
+          "rig.load_time",
+          fmt::format("is less than {:g} rows of {:.3g} ms (rig.sample_travel at {:g} mm/s), in which "
+                      "the platens would press past rig.normal_stress; give at least {:.3g} ms",
+                      fewest_rows, 1e3 * row, 1e3 * rig.sample_travel / row, 1e3 * fewest_rows * row));
+  }
   if (rig.sample_travel > 0.02 * rig.travel)
     places.fail(
         "rig.sample_travel",

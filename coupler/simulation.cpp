@@ -120,13 +120,15 @@ void Simulation::show_sheets(double interval) {
   const ScopedPhase phase(timers_, Phase::search);
   constexpr double growth = 2;
   const ParticleView particles = parts_.infill->particles();
-  const fe::NodeView moving = parts_.carpet->nodes();
-  sheets_hold_ -=
+  const fe::NodeView nodes = parts_.carpet->nodes();
+  const double on_the_way =
       growth * interval *
-      std::max(fastest(particles.vx, particles.vy, particles.vz), fastest(moving.vx, moving.vy, moving.vz));
-  if (sheets_hold_ >= 0) return;
+      std::max(fastest(particles.vx, particles.vy, particles.vz), fastest(nodes.vx, nodes.vy, nodes.vz));
+  const std::size_t failed = parts_.carpet->eroded_count();
+  sheets_hold_ -= on_the_way;
+  if (sheets_hold_ >= 0 && failed == sheets_failed_) return;
+  sheets_failed_ = failed;
   const fe::ShellMesh& mesh = parts_.carpet->mesh();
-  const fe::NodeView& nodes = moving;
   const std::span<const std::uint8_t> eroded = parts_.carpet->eroded();
   sheets_.clear();
   for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
@@ -137,7 +139,7 @@ void Simulation::show_sheets(double interval) {
       sheet[c] = Vec3(nodes.x[n], nodes.y[n], nodes.z[n]);
     }
   }
-  sheets_hold_ = parts_.infill->set_sheets(sheets_);
+  sheets_hold_ = parts_.infill->set_sheets(sheets_) - on_the_way;
 }
 
 void Simulation::advance_interval(double interval) {
@@ -368,8 +370,9 @@ void Simulation::check_candidates() {
   if (reference_.valid) {
     const ParticleView p = parts_.infill->particles();
     const fe::NodeView n = parts_.carpet->nodes();
-    double speed = fastest(p.vx, p.vy, p.vz) + fastest(n.vx, n.vy, n.vz);
-    for (const RigidBody& body : parts_.bodies) speed += body.velocity.norm();
+    double of_bodies = 0;
+    for (const RigidBody& body : parts_.bodies) of_bodies = std::max(of_bodies, body.velocity.norm());
+    const double speed = fastest(p.vx, p.vy, p.vz) + fastest(n.vx, n.vy, n.vz) + of_bodies;
     // The coming window moves everything on before the next look; twice, for what speeds up in it.
     if (moved_since_search() + 2 * speed * plan_.window < parts_.skin) return;
   }

@@ -153,6 +153,7 @@ class Simulation {
   BodyImpulses body_impulses_;
   std::vector<Vec3> interval_impulse_;
   std::vector<std::array<Vec3, 4>> sheets_;  ///< strands, for an infill that they separate
+  std::size_t sheets_failed_ = 0;            ///< shells that had failed then
   double sheets_hold_ = -1;  ///< m that particles and strands may move until they are shown again
   std::vector<float> contact_rates_;
 

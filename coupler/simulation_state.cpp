@@ -130,6 +130,7 @@ void Simulation::save(h5::Group& group) {
   group.write_scalar("bears_longer_steps", static_cast<std::uint64_t>(bears_longer_steps_));
   group.write_scalar("windows", windows_);
   group.write_scalar("sheets_hold", sheets_hold_);
+  group.write_scalar("sheets_failed", static_cast<std::uint64_t>(sheets_failed_));
   group.write_scalar("searches", searches_);
   group.write_scalar("reference_valid", static_cast<std::uint64_t>(reference_.valid ? 1 : 0));
   std::vector<double> bodies;
@@ -191,6 +192,7 @@ void Simulation::load(const h5::Group& group) {
   bears_longer_steps_ = static_cast<int>(group.read_count("bears_longer_steps"));
   windows_ = group.read_count("windows");
   sheets_hold_ = group.has("sheets_hold") ? group.read_double("sheets_hold") : -1;
+  sheets_failed_ = group.has("sheets_failed") ? group.read_count("sheets_failed") : 0;
   searches_ = group.read_count("searches");
   const std::vector<double> bodies = group.read_doubles("bodies");
   constexpr std::size_t body_numbers = 13;

@@ -25,6 +25,8 @@ constexpr double forget_distance = 1.02;
 /// a larger skin means fewer builds and more pairs to look at in each step.
 constexpr double skin_share = 0.25;
 
+static_assert(parking_distance < expulsion_margin);
+
 /// Half of the largest reach, as LIGGGHTS would choose, unless that cuts a wide empty box into far more bins
 /// than there are grains: each build of the neighbour list empties all of them.
 double bin_size(const GrainSizes& sizes, const std::array<Vec3, 2>& box) {

@@ -85,7 +85,11 @@ class Runner {
   RunSummary run() {
     attempt(summary_, [this] {
       prepare();
-      go();
+      try {
+        go();
+      } catch (const InputError& error) {  // seen only now: the run has failed, and keeps what it has
+        throw_run_error("{}", error.what());
+      }
     });
     conclude();
     return summary_;
@@ -272,7 +276,7 @@ class Runner {
             recorder_->record_finished(column.column.name, column.values);
         recorder_->flush();
       });
-    if (built_) measure();
+    if (built_) attempt(summary_, [this] { measure(); });
     summary_.wall_s = before_.wall + seconds_since(start_);
     write_summary(request_.folder, summary_);
     if (recorder_) {

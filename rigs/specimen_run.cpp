@@ -260,7 +260,7 @@ class SpecimenRunner {
 
   void conclude() {
     if (recorder_) attempt(summary_, [this] { recorder_->flush(); });
-    measure();
+    attempt(summary_, [this] { measure(); });
     write_summary(request_.folder, summary_);
     if (!recorder_) return;
     try {

@@ -17,6 +17,7 @@
 #include <liggghts/update.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -44,11 +45,12 @@ struct LiggghtsEngine::Impl {
   RankState& report;
   LAMMPS_NS::LAMMPS* lammps = nullptr;
   bool started = false;
-  bool stepping = false;        // callbacks outside `advance` (set-ups) only look away
-  std::int64_t substep = 0;     // of the window under way
-  double callback_seconds = 0;  // of the window under way
-  std::string trouble;          // found in a callback, thrown when LIGGGHTS has returned
-  std::vector<int> place;       // of a grain in LIGGGHTS' arrays, by its index; -1: another rank's
+  bool stepping = false;               // callbacks outside `advance` (set-ups) only look away
+  std::int64_t substep = 0;            // of the window under way
+  double callback_seconds = 0;         // of the window under way
+  std::string trouble;                 // found in a callback, thrown when LIGGGHTS has returned
+  std::map<std::size_t, Vec3> parked;  // grains that have left, and where: they are elsewhere in LIGGGHTS
+  std::vector<int> place;              // of a grain in LIGGGHTS' arrays, by its index; -1: another rank's
 
   Impl(SharedMemory& shared_memory, int rank);
   ~Impl() { delete lammps; }
@@ -82,7 +84,9 @@ struct LiggghtsEngine::Impl {
   void restore_own_forces();
   void kick(bool in_run);
   void expel(int atom);
+  void find_parked();
   void hold_expelled();
+  void park(int atom);
 
   // Contacts (stored_energy.cpp).
   template <class Visit>

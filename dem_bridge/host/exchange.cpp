@@ -108,6 +108,7 @@ void LiggghtsEngine::Impl::publish_state() {
   if (!in_order) find_places();
   bool all_inside = true;
   const bool finite = in_order ? copy_in_order(all_inside) : copy_by_number(all_inside);
+  for (const auto& [i, left] : parked) components(SharedArrays::position_x).set(i, left);
   report.expelled = 0;
   report.expelled_mass = report.expelled_energy = 0;
   report.expelled_momentum = {};

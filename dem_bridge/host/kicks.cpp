@@ -172,19 +172,42 @@ void kick_in_order(const Kick& kick, std::size_t count, const double* loaded, Ki
 
 }  // namespace
 
-/// Expelled grains stand still where they left, and nothing touches them, from the kick after that on: until
-/// then velocity, forces and size are those of the last evaluation, which contacts are listed for.
+/// Out of reach of all others, and a point nearly, for those that may be parked there too.
+void LiggghtsEngine::Impl::park(int a) {
+  auto* const atom = lammps->atom;
+  const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
+  Vec3 place_to_be = load3(atom->x[a]);
+  parked[index(a)] = place_to_be;
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    if (place_to_be[c] < low[c])
+      place_to_be[c] = low[c] - parking_distance;
+    else if (place_to_be[c] >= high[c])
+      place_to_be[c] = high[c] + parking_distance;
+  }
+  store3(atom->x[a], place_to_be);
+  atom->radius[a] *= 1e-6;
+}
+
+/// After a restart: which of the grains that have left are parked already, as those are that are elsewhere.
+void LiggghtsEngine::Impl::find_parked() {
+  const auto expelled = memory.array(SharedArrays::expelled);
+  const Components left = components(SharedArrays::position_x);
+  for (int a = 0; a < local_count(); ++a)
+    if (const std::size_t i = index(a); expelled[i] != 0 && load3(lammps->atom->x[a]) != left[i])
+      parked[i] = left[i];
+}
+
+/// Expelled grains stand still, and nothing touches them, from the kick after that on: until then place,
+/// velocity, forces and size are those of the last evaluation, which contacts are listed for.
 void LiggghtsEngine::Impl::hold_expelled() {
   auto* const atom = lammps->atom;
-  const auto expelled = memory.array(SharedArrays::expelled), radius = memory.array(SharedArrays::radius);
+  const auto expelled = memory.array(SharedArrays::expelled);
   for (int a = 0; a < local_count(); ++a) {
     const std::size_t i = index(a);
     if (expelled[i] == 0) continue;
+    if (!parked.contains(i)) park(a);
     for (double** field : {atom->v, atom->omega, atom->f, atom->torque}) store3(field[a], Vec3(0, 0, 0));
-    atom->radius[a] = 1e-6 * radius[i];
   }
-  for (int ghost = atom->nlocal; ghost < atom->nlocal + atom->nghost; ++ghost)
-    if (expelled[index(ghost)] != 0) atom->radius[ghost] = 1e-6 * radius[index(ghost)];
 }
 
 /// Adds the window's load to the forces. In a run LIGGGHTS makes the closing half kick afterwards, under all

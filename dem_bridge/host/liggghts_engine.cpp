@@ -92,6 +92,7 @@ void LiggghtsEngine::resume() {
   Impl& my = *impl_;
   my.set_step(my.shared.step);
   my.restore_own_forces();
+  my.find_parked();
   my.started = true;
 }
 

@@ -48,6 +48,7 @@ TEST_F(BadValues, OverflowInsideTheHostStopsTheRun) {
     for (int k = 0; k < 5; ++k) infill.advance(1e-6, 1, contact);
   });
   EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find("of grain 2 is not finite"), std::string::npos) << message;
 }
 
 TEST_F(BadValues, GrainsThatCannotBeSimulatedAreInputErrors) {

@@ -125,6 +125,8 @@ TEST(PullOutScene, RefusesWhatCannotBeDrawn) {
   EXPECT_NE(message({{"turf.carpet.strand_width", "11 mm"}}).find("narrower than the strand"),
             std::string::npos);
   EXPECT_NE(message({{"rig.speeds", "[\"1 mm/s\", \"1 mm/s\"]"}}).find("given twice"), std::string::npos);
+  EXPECT_NE(message({{"rig.load_time", "0.02 ms"}}).find("20 rows of 0.1 ms"), std::string::npos)
+      << message({{"rig.load_time", "0.02 ms"}});
   EXPECT_NE(message({{"rig.speed_factor", "2.0"}}).find("speed_factor"), std::string::npos);
 }
 
