@@ -1,7 +1,8 @@
-/// How long Simulation's steps are.
+/// How long Simulation's steps are, and what the infill is told before them.
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/fastest.h"
 #include "coupler/simulation.h"
 
 namespace tuft::coupler {
@@ -69,6 +70,33 @@ void Simulation::tell_contact_rates(double interval) {
   particle_body_.raise_rates(particles, parts_.bodies, horizon, !has_carpet(), contact_rates_);
   particle_shell_.raise_rates(contact_rates_);
   parts_.infill->set_contact_rates(contact_rates_);
+}
+
+/// When they, or the infill, may have moved as far as the infill bears. Speeds may grow within an interval.
+void Simulation::show_sheets(double interval) {
+  const ScopedPhase phase(timers_, Phase::search);
+  constexpr double growth = 2;
+  const ParticleView particles = parts_.infill->particles();
+  const fe::NodeView nodes = parts_.carpet->nodes();
+  const double on_the_way =
+      growth * interval *
+      std::max(fastest(particles.vx, particles.vy, particles.vz), fastest(nodes.vx, nodes.vy, nodes.vz));
+  const std::size_t failed = parts_.carpet->eroded_count();
+  sheets_hold_ -= on_the_way;
+  if (sheets_hold_ >= 0 && failed == sheets_failed_) return;
+  sheets_failed_ = failed;
+  const fe::ShellMesh& mesh = parts_.carpet->mesh();
+  const std::span<const std::uint8_t> eroded = parts_.carpet->eroded();
+  sheets_.clear();
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
+    if (mesh.surface[e] == fe::ShellMesh::backing_surface || (!eroded.empty() && eroded[e] != 0)) continue;
+    std::array<Vec3, 4>& sheet = sheets_.emplace_back();
+    for (std::size_t c = 0; c < 4; ++c) {
+      const auto n = static_cast<std::size_t>(mesh.quads[e][c]);
+      sheet[c] = Vec3(nodes.x[n], nodes.y[n], nodes.z[n]);
+    }
+  }
+  sheets_hold_ = parts_.infill->set_sheets(sheets_) - on_the_way;
 }
 
 }  // namespace tuft::coupler

@@ -37,6 +37,18 @@ double note(const RunSummary& summary, const std::string& name) {
   return summary.notes.at(name).value;
 }
 
+/// After its first checkpoint.
+RunSummary stopped_and_resumed(const std::string& name, const Overrides& overrides) {
+  RunRequest request = request_of(name, overrides);
+  request.stop_after_checkpoints = 1;
+  EXPECT_EQ(run(request).status, "stopped");
+  request.stop_after_checkpoints = 0;
+  request.resume = true;
+  RunSummary resumed = run(request);
+  EXPECT_EQ(resumed.status, "completed") << resumed.error;
+  return resumed;
+}
+
 TEST(GrainConditioning, NoMorePressesThanItTakesForTheBedToStay) {
   const RunSummary s = run(request_of(
       "pressed-enough", pressed({{"conditioning.presses", "4"}, {"conditioning.tolerance", "50 mm"}})));
@@ -67,13 +79,7 @@ TEST(GrainConditioning, SaysByHowMuchTheBedStayedTooHighAndHowItLiesResumedOrNot
   EXPECT_GT(note(s, "bed_placed_coordination"), 1);
 
   // Stopped within the second press, resumed: the same plate, the same bed.
-  RunRequest stopped = request_of("pressed-stopped", in_vain);
-  stopped.stop_after_checkpoints = 1;
-  ASSERT_EQ(run(stopped).status, "stopped");
-  stopped.stop_after_checkpoints = 0;
-  stopped.resume = true;
-  const RunSummary resumed = run(stopped);
-  ASSERT_EQ(resumed.status, "completed") << resumed.error;
+  const RunSummary resumed = stopped_and_resumed("pressed-stopped", in_vain);
   for (const char* name : {"conditioning_presses", "conditioning_plate_pressure_largest",
                            "conditioning_depth_released", "bed_placed_porosity", "bed_released_porosity"})
     EXPECT_EQ(note(resumed, name), note(s, name)) << name;
@@ -95,13 +101,7 @@ TEST(GrainConditioning, RollerPassesToAndFroPressesAndKeepsTheLedger) {
   EXPECT_LT(s.energy_error, 0.02);
   EXPECT_LT(s.momentum_error, 1e-9);
 
-  RunRequest stopped = request_of("rolled-stopped", rolled);
-  stopped.stop_after_checkpoints = 1;
-  ASSERT_EQ(run(stopped).status, "stopped");
-  stopped.stop_after_checkpoints = 0;
-  stopped.resume = true;
-  const RunSummary resumed = run(stopped);
-  ASSERT_EQ(resumed.status, "completed") << resumed.error;
+  const RunSummary resumed = stopped_and_resumed("rolled-stopped", rolled);
   for (const char* name :
        {"conditioning_passes", "conditioning_roller_force_largest", "bed_released_porosity"})
     EXPECT_EQ(note(resumed, name), note(s, name)) << name;
