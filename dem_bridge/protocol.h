@@ -20,8 +20,8 @@ inline constexpr std::uint64_t protocol_version = 5;                 ///< raise 
 /// forces when that calls it.
 inline constexpr std::int64_t external_forces_every = 1'000'000'000;
 
-/// m beyond the box where LIGGGHTS keeps a grain that has left it, out of reach of all others: more than the
-/// radii of two, and within LIGGGHTS' own box (expulsion_margin).
+/// m beyond the box where LIGGGHTS keeps a grain that has left it, out of reach of all inside: more than any
+/// grain's radius, and within LIGGGHTS' own box (expulsion_margin).
 inline constexpr double parking_distance = 0.018;
 
 /// Driver to host. Every rank gives exactly one answer to a request.

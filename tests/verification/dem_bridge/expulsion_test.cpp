@@ -79,6 +79,41 @@ TEST(ExpelledGrains, AreNotThereForThoseThatFollow) {
   EXPECT_EQ(infill.particles().position(0), where);
 }
 
+/// While all are there, grains are kicked a block at a time; once one has left, one by one. Both ways are the
+/// same motion, with the same energies.
+TEST(ExpelledGrains, ChangeNothingForABedFarFromThem) {
+  const auto shaken = [](bool leaves) {
+    Grains grains;
+    for (int i = 0; i < 75; ++i)  // touching, two blocks and a part
+      add_grain(grains, 0.00199 * Vec3(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 1), 0.001, 1150);
+    add_grain(grains, Vec3(0.017, 0, 0.017), 0.001, 1150);
+    DemInfill infill(grains, {rubber()}, settings_in_box(0.018, Vec3(0, 0, -9.81)));
+    infill.set_velocity(75, Vec3(leaves ? 20 : 0, 0, 0), Vec3(0, 0, 0));
+    infill.set_damping(50);
+    ContactImpulses push = no_impulses(76);
+    for (int k = 0; k < 300; ++k) {
+      for (std::size_t i = 0; i < 40; ++i) {  // none in the last blocks
+        const auto a = static_cast<double>(i);
+        push.linear.set(i, 1e-8 * Vec3(std::sin(0.1 * k + a), std::cos(0.2 * k + 2 * a), 0.3));
+        push.angular.set(i, 1e-11 * Vec3(0.5, std::sin(0.3 * k), std::cos(a)));
+      }
+      infill.advance(window, 2, push);
+    }
+    EXPECT_EQ(infill.expelled().particles, leaves ? 1u : 0u);
+    Vec3Array velocity;
+    for (std::size_t i = 0; i < 75; ++i) velocity.push_back(infill.particles().velocity(i));
+    return std::pair(velocity, infill.energy());
+  };
+  const auto [in_blocks, whole] = shaken(false);
+  const auto [one_by_one, rest] = shaken(true);
+  double fastest = 0;
+  for (std::size_t i = 0; i < 75; ++i) fastest = std::max(fastest, in_blocks[i].norm());
+  ASSERT_GT(fastest, 0.01);
+  for (std::size_t i = 0; i < 75; ++i) EXPECT_LT((in_blocks[i] - one_by_one[i]).norm(), 1e-9 * fastest) << i;
+  EXPECT_GT(whole.contact_work, 0);
+  EXPECT_NEAR(rest.contact_work, whole.contact_work, 1e-9 * whole.contact_work);
+}
+
 TEST(ExpelledGrains, AreListedWithTheContactsOfTheEvaluationThatTheyLeaveWith) {
   Grains grains;
   add_grain(grains, Vec3(0.0099, 0, 0), 0.001, 1150);
