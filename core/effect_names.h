@@ -9,8 +9,9 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 17> named_effects{{
-    {"fibres", "strands of the carpet; off: the backing alone"},
+inline constexpr std::array<EffectName, 18> named_effects{{
+    {"fibres", "strands of the carpet"},
+    {"backing", "the sheet that strands stand in; off: a rigid floor at its height"},
     {"friction_rate", "friction that changes with sliding speed"},
     {"artificial_viscosity", "artificial viscosity (sph)"},
     {"zero_energy_control", "no motion that velocity gradients do not see (sph)"},

@@ -58,6 +58,20 @@ Need need_fibres(const Scene& scene) {
   return {true, "the turf has a carpet: its strands confine the infill and carry part of the load"};
 }
 
+/// A sheet that lies on the tray's floor and is clamped at its edges bears nothing that the floor does not.
+Need need_backing(const Scene& scene) {
+  if (scene.rig.is_specimen()) return {false, "a specimen of infill has no carpet"};
+  if (is_switched_off(scene, "fibres"))
+    return {false,
+            "without strands it only lies on the tray: the infill stands on a rigid floor at its height"};
+  return {true, "the strands stand in it"};
+}
+
+Need usable_backing(const Scene& scene) {
+  if (scene.rig.is_specimen()) return need_backing(scene);
+  return {true, ""};
+}
+
 Need need_friction_rate(const Scene& scene) {
   const std::string name = first_with(scene, [](const Material& m) {
     return depends_on_speed(m.fibre_friction) || depends_on_speed(m.body_friction);
@@ -141,9 +155,17 @@ Need need_contact_damping(const Scene& scene) {
   return {true, "contacts of " + name + " lose energy (contact_restitution below 1)"};
 }
 
+bool has_no_shells(const Scene& scene) {
+  const auto backing = scene.effects.choice.find("backing");
+  const bool asked_for = backing != scene.effects.choice.end() && backing->second == Switch::on;
+  return is_switched_off(scene, "fibres") && !asked_for;
+}
+
 Need need_erosion(const Scene& scene) {
   if (scene.rig.is_specimen()) return {false, "a specimen of infill has no shells"};
   const CarpetDesign& carpet = scene.turf.carpet;
+  if (!scene.rig.is_component() && has_no_shells(scene))
+    return {false, "neither strands nor backing are there to fail"};
   const bool strand = scene.rig.type != "backing_tension", backing = scene.rig.type != "strand_tension";
   if (strand && carpet.fibre.can_fail()) return {true, "turf.carpet.fibre has a failure_strain"};
   if (backing && carpet.backing.can_fail()) return {true, "turf.carpet.backing has a failure_strain"};
@@ -220,6 +242,7 @@ Need usable_shear_energy(const Scene& scene) {
 
 constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"fibres", std::nullopt, need_fibres},
+    {"backing", std::nullopt, need_backing, usable_backing},
     {"friction_rate", std::nullopt, need_friction_rate},
     {"artificial_viscosity", Approach::sph, need_artificial_viscosity},
     {"zero_energy_control", Approach::sph, need_zero_energy_control},
@@ -273,7 +296,8 @@ std::vector<EffectDecision> decide_effects(const Scene& scene) {
   const auto can_act = [&](std::string_view name) {
     if (scene.rig.is_component()) return name == "erosion";
     if (name == "fibre_separation" && scene.rig.is_specimen()) return scene.rig.type == "pull_out";
-    return !scene.rig.is_specimen() || (name != "erosion" && name != "fibres" && name != "overlap_release");
+    return !scene.rig.is_specimen() ||
+           (name != "erosion" && name != "fibres" && name != "backing" && name != "overlap_release");
   };
   for (const EffectRule& rule : rules)
     if (can_act(rule.name)) decisions.push_back(decide(rule, scene));
@@ -285,8 +309,15 @@ std::optional<EffectDecision> idle_effect(const Scene& scene) {
     if (choice_of(rule, scene) != Switch::on || is_of_other_approach(rule, scene)) continue;
     const auto condition = rule.usable != nullptr ? rule.usable : rule.needed;
     if (const Need need = condition(scene); !need.on)
-      return EffectDecision{std::string(rule.name), false, need.why};
+      return EffectDecision{
+          std::string(rule.name), false,
+          "switched on, but has nothing to act on: " + need.why + "; change that, or leave this \"auto\""};
   }
+  const bool turf = !scene.rig.is_specimen() && !scene.rig.is_component();
+  if (turf && is_switched_off(scene, "backing") && !is_switched_off(scene, "fibres"))
+    return EffectDecision{
+        "backing", true,
+        "switched off, but the strands stand in it; switch effects.fibres off too, or leave this \"auto\""};
   return std::nullopt;
 }
 

@@ -168,10 +168,7 @@ void check_point_test(const PointTest& test, const Places& places) {
   for (std::size_t i = 0; i < test.segments.size(); ++i)
     check_segment(test.segments[i], fmt::format("segments.{}", i), places);
   for (std::size_t i = 0; i < test.measures.size(); ++i) check_measure(test, i, places);
-  if (const auto idle = idle_effect(scene_of(test)))
-    places.fail("effects." + idle->name,
-                fmt::format("switched on, but has nothing to act on: {}; change that, or leave this \"auto\"",
-                            idle->why));
+  if (const auto idle = idle_effect(scene_of(test))) places.fail("effects." + idle->name, idle->why);
 }
 
 }  // namespace

@@ -330,12 +330,12 @@ struct EffectDecision {
   std::string why;
 };
 
-/// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
-/// (velocity-dependent friction), artificial_viscosity, zero_energy_control, tension_cutoff,
-/// rolling_resistance, grain_cohesion, overlap_release, contact_damping, erosion, density_hardening,
-/// strength_softening, strength_recovery, strength_rate, dilation, shear_energy.
+/// Decides every named effect for a scene (core/effects.cpp). Names and meanings: core/effect_names.h.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
-/// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
+/// The first effect that the scene switches on although it has nothing to act on, or off although another
+/// that is on needs it; `why` says what is wrong and what to do.
+///
+///
 [[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);
 [[nodiscard]] bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name);
 

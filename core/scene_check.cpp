@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.h"
 #include "core/grain_check.h"
@@ -19,10 +18,6 @@ constexpr double fast_over_pitch = 1.0;  // about 30 neighbours (docs/theory/sph
 constexpr double specimen_over_pitch =
     0.9;  // rows on the walls stay in order to 30 % strain (docs/rigs/oedometer.md)
 constexpr double published_over_pitch = 0.71;  // 1.42 mm at a pitch of 2 mm (Bustamante et al. 2024)
-
-std::string in_mm(double metres) {
-  return fmt::format("{:g} mm", std::round(metres * 1e6) / 1e3);
-}
 
 void check_virgin_curve(const Curve& curve, const std::string& path, const Places& places) {
   if (curve.x.size() < 2) places.fail(path, "needs at least two points");
@@ -180,54 +175,6 @@ void check_tray(Scene& scene, const Places& places) {
                             in_mm(depth)));
 }
 
-/// Studs that reach the backing would tear it.
-void check_roller(const Scene& scene, const Places& places) {
-  const Conditioning& conditioning = scene.conditioning;
-  if (conditioning.method != "roller") return;
-  if (scene.infill.approach == Approach::sph)
-    places.fail("conditioning.method",
-                "\"roller\" is for grains; choose \"compaction\", or infill.approach = \"dem\"");
-  const ConditioningRoller& roller = conditioning.roller;
-  const double reach = conditioning.depth + (roller.studs_around > 0 ? roller.stud_length : 0);
-  if (!(reach < scene.infill_depth()))
-    places.fail("conditioning.depth",
-                fmt::format("studs would reach {} below the surface of an infill of {}; make it or "
-                            "conditioning.roller.stud_length less",
-                            in_mm(reach), in_mm(scene.infill_depth())));
-}
-
-/// Spheres of a regular bed fill pi/6 of their cubes; random packings are no denser than 0.64 (Scott &
-/// Kilgour 1969).
-void check_conditioning(const Scene& scene, const Places& places) {
-  const Conditioning& conditioning = scene.conditioning;
-  if (!conditioning.on()) return;
-  const double depth = scene.infill_depth();
-  if (!(conditioning.depth < depth))
-    places.fail("conditioning.depth",
-                fmt::format("the infill is only {} deep; make it less than that", in_mm(depth)));
-  check_roller(scene, places);
-  if (conditioning.method == "roller" && conditioning.presses > 1)
-    places.fail(
-        "conditioning.presses",
-        "is of a plate (method = \"compaction\"); a roller has conditioning.roller.passes: leave it out");
-  if (scene.infill.approach != Approach::sph) return;
-  constexpr double densest = 0.64, of_lattice = std::numbers::pi / 6;
-  const double placed = of_lattice * std::pow(conditioning.sphere_diameter, 3),
-               pressed = placed / (1 - conditioning.depth / depth);
-  if (pressed <= densest) return;
-  if (placed > densest)
-    places.fail(
-        "conditioning.sphere_diameter",
-        fmt::format("spheres fill {:.2g} of the room as placed, and cannot fill more than 0.64 in any "
-                    "disordered bed; make them smaller (0.96 can be pressed by an eighth)",
-                    placed));
-  places.fail(
-      "conditioning.depth",
-      fmt::format("spheres would fill {:.2g} of the room, more than the 0.64 of the densest disordered bed; "
-                  "at most {} can be pressed with conditioning.sphere_diameter = {:g}",
-                  pressed, in_mm(depth * (1 - placed / densest)), conditioning.sphere_diameter));
-}
-
 void check_missile(const Scene& scene, const Places& places) {
   const CleggRig& clegg = scene.rig.clegg;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -336,12 +283,9 @@ void complete_specimen(Scene& scene, const Places& places) {
         fmt::format("is more than a hundredth of the height ({}); make it smaller", in_mm(rig.height)));
 }
 
-/// An effect that is asked for must have something to act on.
+/// An effect that is asked for must have something to act on, and what it stands on.
 void check_effects(const Scene& scene, const Places& places) {
-  if (const auto idle = idle_effect(scene))
-    places.fail("effects." + idle->name,
-                fmt::format("switched on, but has nothing to act on: {}; change that, or leave this \"auto\"",
-                            idle->why));
+  if (const auto idle = idle_effect(scene)) places.fail("effects." + idle->name, idle->why);
 }
 
 /// What sleeps is not computed, so nothing of it may change with time alone.
@@ -369,6 +313,10 @@ void check_individual_steps(const Scene& scene, const Places& places) {
 }
 
 }  // namespace
+
+std::string in_mm(double metres) {
+  return fmt::format("{:g} mm", std::round(metres * 1e6) / 1e3);
+}
 
 void complete_material(Material& material, Index self, const std::string& path, const Places& places) {
   if (material.continuum) {

@@ -18,8 +18,8 @@ SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahea
   return std::visit([&](const auto& shape) { return distance_to(shape, relative); }, body.shape);
 }
 
-bool any_stiffens(const std::vector<NormalSpring>& springs) {
-  return std::any_of(springs.begin(), springs.end(),
+bool all_stiffen(const std::vector<NormalSpring>& springs) {
+  return std::all_of(springs.begin(), springs.end(),
                      [](const NormalSpring& spring) { return spring.stiffening > 0; });
 }
 
@@ -27,7 +27,7 @@ bool any_stiffens(const std::vector<NormalSpring>& springs) {
 
 BodyContact::BodyContact(BodyContactSettings settings)
     : settings_(std::move(settings)),
-      stiffens_(any_stiffens(settings_.spring) || any_stiffens(settings_.wall_spring)) {}
+      all_stiffen_(all_stiffen(settings_.spring) && all_stiffen(settings_.wall_spring)) {}
 
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
@@ -172,51 +172,54 @@ void BodyContact::replace_springs(std::vector<NormalSpring> springs, const Parti
   }
   settings_.spring = std::move(springs);
   settings_.wall_spring.clear();
-  stiffens_ = any_stiffens(settings_.spring);
+  all_stiffen_ = all_stiffen(settings_.spring);
 }
 
-std::vector<double> BodyContact::coming_stiffness(const ParticleView& points,
-                                                  const std::vector<RigidBody>& bodies,
-                                                  double horizon) const {
-  std::vector<double> stiffness(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    // Nothing but the pairs says how far a spring that stiffens is pressed in.
-    const auto most = [this](const NormalSpring& spring) {
-      return !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
-    };
-    stiffness[i] = most(settings_.spring[i]);
-    if (!settings_.wall_spring.empty()) stiffness[i] = std::max(stiffness[i], most(settings_.wall_spring[i]));
-  }
-  if (!stiffens_) return stiffness;
-  for (const PairKey key : keys_) {
-    const Index i = key_point(key);
-    const RigidBody& body = bodies[static_cast<std::size_t>(key_other(key))];
-    const SurfacePoint surface = surface_point(body, points.position(i), 0);
-    const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
-    const double overlap = points.radius_along(static_cast<std::size_t>(i), surface.normal) -
-                           surface.distance + horizon * std::max(0.0, closing);
-    if (overlap > 0) stiffness[i] = std::max(stiffness[i], spring_of(i, body).tangent(overlap));
-  }
-  return stiffness;
+double BodyContact::stiffness_apart(std::size_t point) const {
+  // Nothing but the pairs says how far a spring that stiffens is pressed in.
+  const auto most = [this](const NormalSpring& spring) {
+    return !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+  };
+  const double stiffness = most(settings_.spring[point]);
+  return settings_.wall_spring.empty() ? stiffness : std::max(stiffness, most(settings_.wall_spring[point]));
+}
+
+double BodyContact::coming_stiffness(PairKey key, const ParticleView& points,
+                                     const std::vector<RigidBody>& bodies, double horizon) const {
+  const Index i = key_point(key);
+  const RigidBody& body = bodies[static_cast<std::size_t>(key_other(key))];
+  const NormalSpring& spring = spring_of(i, body);
+  if (!(spring.stiffening > 0)) return 0;
+  const SurfacePoint surface = surface_point(body, points.position(i), 0);
+  const double closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
+  const double overlap = points.radius_along(static_cast<std::size_t>(i), surface.normal) - surface.distance +
+                         horizon * std::max(0.0, closing);
+  return overlap > 0 ? spring.tangent(overlap) : 0;
 }
 
 std::vector<double> BodyContact::stable_steps(const ParticleView& points,
                                               const std::vector<RigidBody>& bodies, double horizon,
                                               bool with_dashpots) const {
-  const std::vector<double> stiffness = coming_stiffness(points, bodies, horizon);
-  // Of each point the bodies near it; before the first search it may be any three.
-  std::vector<int> near(with_dashpots ? points.size() : 0, searched_ ? 0 : 3);
-  if (with_dashpots)
-    for (const PairKey key : keys_) ++near[static_cast<std::size_t>(key_point(key))];
   std::vector<double> steps(points.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double k = stiffness[i], share = 1;
+  const auto set = [&](std::size_t i, double k, int near) {
+    double share = 1;
     if (with_dashpots) {
       const double zeta = settings_.damping_ratio[i];
-      k *= 1 + tangential_ratio * std::max(0, near[i] - 1);
+      k *= 1 + tangential_ratio * std::max(0, near - 1);
       share = std::sqrt(1 + zeta * zeta) - zeta;
     }
     if (k > 0) steps[i] = 2 * std::sqrt(points.mass[i] / k) * share;
+  };
+  // Before the first search a point may be near any three bodies.
+  if (!searched_ || !all_stiffen_)
+    for (std::size_t i = 0; i < points.size(); ++i) set(i, stiffness_apart(i), searched_ ? 0 : 3);
+  for (std::size_t g = 0; g < keys_.size();) {  // sorted by point
+    const Index i = key_point(keys_[g]);
+    double k = stiffness_apart(static_cast<std::size_t>(i));
+    int near = 0;
+    for (; g < keys_.size() && key_point(keys_[g]) == i; ++g, ++near)
+      k = std::max(k, coming_stiffness(keys_[g], points, bodies, horizon));
+    set(static_cast<std::size_t>(i), k, near);
   }
   return steps;
 }

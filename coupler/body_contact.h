@@ -101,13 +101,14 @@ class BodyContact {
   Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                               const std::vector<RigidBody>& bodies, double dt, double release,
                               double release_before);
-  /// Per point, N/m: the stiffest that its springs will be, see stable_steps.
-  [[nodiscard]] std::vector<double> coming_stiffness(const ParticleView& points,
-                                                     const std::vector<RigidBody>& bodies,
-                                                     double horizon) const;
+  /// N/m, of a point's springs as far as they do not depend on pairs, see stable_steps.
+  [[nodiscard]] double stiffness_apart(std::size_t point) const;
+  /// N/m, of a pair's spring if it stiffens, at the end of `horizon` (s); 0: apart.
+  [[nodiscard]] double coming_stiffness(PairKey key, const ParticleView& points,
+                                        const std::vector<RigidBody>& bodies, double horizon) const;
 
   BodyContactSettings settings_;
-  bool stiffens_ = false;  ///< any of the springs
+  bool all_stiffen_ = false;  ///< springs
   std::vector<PairKey> keys_;
   std::vector<ContactHistory> histories_;
   std::vector<Result> results_;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/error.h"
 #include "coupler/conditioned_infill.h"
@@ -25,6 +26,22 @@ double penalty_of(const Scene& scene, const std::vector<EffectDecision>& effects
              ? sph_contact_stiffness(material, scene.numerics, radius, sph::soil_effects_of(effects))
              : dem_contact_stiffness(material, radius);
 }
+
+/// What is found once for all particles of one material and shape: rows of a lattice have few shapes, and a
+/// soil law takes time to make.
+template <class Value>
+class FoundOnce {
+ public:
+  template <class Find>
+  const Value& of(Index material, double width, double height, Find&& find) {
+    const std::array<double, 3> key{static_cast<double>(material), width, height};
+    const auto known = values_.find(key);
+    return known != values_.end() ? known->second : values_.emplace(key, find()).first->second;
+  }
+
+ private:
+  std::map<std::array<double, 3>, Value> values_;
+};
 
 /// Half the thickness of the thickest shell at each node.
 std::vector<double> node_radii(const fe::ShellMesh& mesh) {
@@ -68,9 +85,15 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
                               const ParticleView& particles) {
   const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
   PointContact result;
+  FoundOnce<double> known;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Material& material = scene.materials[particles.material[i]];
-    result.stiffness.push_back(penalty_of(scene, effects, material, particles.mean_radius(i)));
+    const Index m = particles.material[i];
+    const Material& material = scene.materials[static_cast<std::size_t>(m)];
+    const double radius = particles.mean_radius(i);
+    const auto penalty = [&] { return penalty_of(scene, effects, material, radius); };
+    // Radii of grains are all different.
+    result.stiffness.push_back(scene.infill.approach == Approach::dem ? penalty()
+                                                                      : known.of(m, radius, radius, penalty));
     result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
@@ -91,12 +114,16 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
   const bool half_rows = scene.infill.approach == Approach::sph && !rigid &&
                          scene.numerics.body_contact == BodyContactKind::half_row;
   std::vector<NormalSpring> springs;
+  FoundOnce<NormalSpring> known;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
+    const Index m = particles.material[i];
+    const Material& material = scene.materials[static_cast<std::size_t>(m)];
     const double width = 2 * particles.radius[i], height = particles.radius_upwards(i);
-    springs.push_back(half_rows
-                          ? half_row_spring(material, scene.numerics, width * width, height, soil_effects)
-                          : NormalSpring{penalty_of(scene, effects, material, particles.mean_radius(i))});
+    const auto spring = [&] {
+      return half_rows ? half_row_spring(material, scene.numerics, width * width, height, soil_effects)
+                       : NormalSpring{penalty_of(scene, effects, material, particles.mean_radius(i))};
+    };
+    springs.push_back(scene.infill.approach == Approach::dem ? spring() : known.of(m, width, height, spring));
   }
   return springs;
 }
@@ -108,11 +135,14 @@ std::vector<NormalSpring> wall_springs(const Scene& scene, const std::vector<Eff
       std::ranges::equal(particles.half_height, particles.radius) || particles.half_height.empty())
     return springs;
   const sph::SoilEffects soil_effects = sph::soil_effects_of(effects);
+  FoundOnce<NormalSpring> known;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[i])];
-    springs.push_back(half_row_spring(material, scene.numerics,
-                                      4 * particles.radius[i] * particles.half_height[i], particles.radius[i],
-                                      soil_effects));
+    const Index m = particles.material[i];
+    const double radius = particles.radius[i], half_height = particles.half_height[i];
+    springs.push_back(known.of(m, radius, half_height, [&] {
+      return half_row_spring(scene.materials[static_cast<std::size_t>(m)], scene.numerics,
+                             4 * radius * half_height, radius, soil_effects);
+    }));
   }
   return springs;
 }
@@ -146,7 +176,7 @@ double dem_contact_stiffness(const Material& material, double radius) {
   return grain.young_modulus / (1 - grain.poisson_ratio * grain.poisson_ratio) * radius;
 }
 
-std::vector<RigidBody> tray(std::array<double, 2> size) {
+std::vector<RigidBody> tray(std::array<double, 2> size, double floor) {
   const auto wall = [](std::string name, const Vec3& position, const Vec3& normal) {
     RigidBody body;
     body.name = std::move(name);
@@ -155,7 +185,7 @@ std::vector<RigidBody> tray(std::array<double, 2> size) {
     return body;
   };
   const double x = 0.5 * size[0], y = 0.5 * size[1];
-  return {wall("floor", Vec3(0, 0, 0), Vec3(0, 0, 1)), wall("wall_x_low", Vec3(-x, 0, 0), Vec3(1, 0, 0)),
+  return {wall("floor", Vec3(0, 0, floor), Vec3(0, 0, 1)), wall("wall_x_low", Vec3(-x, 0, 0), Vec3(1, 0, 0)),
           wall("wall_x_high", Vec3(x, 0, 0), Vec3(-1, 0, 0)),
           wall("wall_y_low", Vec3(0, -y, 0), Vec3(0, 1, 0)),
           wall("wall_y_high", Vec3(0, y, 0), Vec3(0, -1, 0))};
@@ -165,6 +195,11 @@ fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres) {
   if (!scene.turf.carpet.mesh.file.empty())
     return fe::import_carpet(scene.turf.carpet, scene.turf.size, with_fibres).mesh;
   return fe::generate_carpet(scene.turf.carpet, scene.turf.size, scene.numerics.seed, with_fibres);
+}
+
+fe::ShellMesh build_carpet_mesh(const Scene& scene, const std::vector<EffectDecision>& effects) {
+  return effect_on(effects, "backing") ? build_carpet_mesh(scene, effect_on(effects, "fibres"))
+                                       : fe::ShellMesh{};
 }
 
 fe::CarpetOptions carpet_options(const Scene& scene) {
@@ -186,7 +221,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   const Scene& scene = *request.scene;
   BuiltSimulation built;
   SimulationParts parts;
-  fe::ShellMesh mesh = build_carpet_mesh(scene, effect_on(request.effects, "fibres"));
+  fe::ShellMesh mesh = build_carpet_mesh(scene, request.effects);
   parts.node_radius = node_radii(mesh);
 
   if (scene.infill.approach == Approach::sph) {
@@ -220,7 +255,9 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
   parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
                                               carpet_options(scene));
-  parts.bodies = tray(scene.turf.size);
+  // The infill stands where it would on the backing.
+  const bool with_backing = effect_on(request.effects, "backing");
+  parts.bodies = tray(scene.turf.size, with_backing ? 0 : scene.turf.carpet.backing_thickness);
   built.first_rig_body = parts.bodies.size();
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
 

@@ -47,6 +47,9 @@ struct BuiltSimulation {
 /// InputError.
 [[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, bool with_fibres);
 
+/// What of it the effects ask for: with neither fibres nor backing a mesh of nothing.
+[[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, const std::vector<EffectDecision>& effects);
+
 /// How a scene's carpet is stepped: sections, damping, gravity, mass scaling, subcycling.
 [[nodiscard]] fe::CarpetOptions carpet_options(const Scene& scene);
 
@@ -101,7 +104,7 @@ struct PointContact {
 /// of grains half of the mean one (the smallest of a wide mixture would make the list short-lived).
 [[nodiscard]] double search_skin(Approach approach, std::span<const double> radius);
 
-/// Five fixed half-spaces: floor at z = 0 and four walls around a patch centred on the origin.
-[[nodiscard]] std::vector<RigidBody> tray(std::array<double, 2> size);
+/// Five fixed half-spaces: floor at z = `floor` (m) and four walls around a patch centred on the origin.
+[[nodiscard]] std::vector<RigidBody> tray(std::array<double, 2> size, double floor = 0);
 
 }  // namespace tuft::coupler

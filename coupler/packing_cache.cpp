@@ -36,7 +36,7 @@ std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& e
   bare.numerics.step_safety = scene.numerics.step_safety;
   std::string text = std::string(packing_version) + "\n" + write_scene(bare);
   for (const char* name :
-       {"fibres", "friction_rate", "rolling_resistance", "grain_cohesion", "contact_damping"})
+       {"fibres", "backing", "friction_rate", "rolling_resistance", "grain_cohesion", "contact_damping"})
     text += std::string(name) + (effect_on(effects, name) ? " on\n" : " off\n");
   text += container;
   return content_hash(text);

@@ -202,7 +202,7 @@ void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double 
 
 /// DEM without packing: counts from masses, speeds from what the bridge measured (docs/benchmarks.md).
 void plan_by_counting(RunPlan& plan, const Scene& scene) {
-  const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, effect_on(plan.effects, "fibres"));
+  const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, plan.effects);
   plan.shells = mesh.quads.size();
   plan.nodes = mesh.nodes.size();
   const fe::Carpet carpet(mesh, {scene.turf.carpet.backing, scene.turf.carpet.fibre},
@@ -212,8 +212,11 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const GrainEstimate grains = estimate_grains(scene);
   plan.particles = static_cast<std::uint64_t>(grains.count);
   const Schedule schedule = make_schedule(scene);
-  take_steps(plan, {carpet.stable_step(), grains.own_step, grains.contact_step, carpet.subcycle_ratio()},
-             scene, schedule.interval, schedule.end);
+  // As Simulation::stable_steps has it.
+  const double window =
+      plan.shells > 0 ? carpet.stable_step() : 1 / std::hypot(1 / grains.own_step, 1 / grains.contact_step);
+  take_steps(plan, {window, grains.own_step, grains.contact_step, carpet.subcycle_ratio()}, scene,
+             schedule.interval, schedule.end);
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
   const double windows = static_cast<double>(plan.windows);

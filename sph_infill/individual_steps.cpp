@@ -17,22 +17,27 @@ namespace {
 /// (Saitoh & Makino 2009, ApJ 697, L99: 4).
 constexpr int largest_ratio = 4;
 
-/// Calls look(group, j) for the neighbours of all groups, on all threads.
-template <class Look>
-void for_rows(const NeighbourList& list, std::size_t groups, Look&& look) {
-  parallel_for(groups, [&](std::size_t g) {
-    const NeighbourList::GroupRows rows = list.group(g);
-    for (std::size_t e = 0; e < rows.length * lanes; ++e)
-      look(g, static_cast<std::size_t>(rows.first[e]) / lanes);
-  });
-}
-
-/// Each group's value and those of its neighbours: the smallest.
-std::vector<std::uint8_t> smallest_around(const NeighbourList& list,
-                                          const std::vector<std::uint8_t>& values) {
+/// Each group's value and those of its neighbours: the smallest. Rows are symmetric, so groups may hand their
+/// values to their neighbours instead of asking them; and those above `largest`, most of a bed, need not.
+/// Each thread has values of its own, and the smallest does not depend on who finds it.
+std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::vector<std::uint8_t>& values,
+                                          std::uint8_t largest) {
   std::vector<std::uint8_t> smallest = values;
-  for_rows(list, values.size(),
-           [&](std::size_t g, std::size_t other) { smallest[g] = std::min(smallest[g], values[other]); });
+#pragma omp parallel
+  {
+    std::vector<std::uint8_t> mine = values;
+#pragma omp for schedule(static)
+    for (std::size_t g = 0; g < values.size(); ++g) {
+      if (values[g] > largest) continue;
+      const NeighbourList::GroupRows rows = list.group(g);
+      for (std::size_t e = 0; e < rows.length * lanes; ++e) {
+        std::uint8_t& other = mine[static_cast<std::size_t>(rows.first[e]) / lanes];
+        other = std::min(other, values[g]);
+      }
+    }
+#pragma omp critical
+    for (std::size_t g = 0; g < values.size(); ++g) smallest[g] = std::min(smallest[g], mine[g]);
+  }
   return smallest;
 }
 
@@ -156,7 +161,9 @@ void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, dou
 
 // Once is enough: what is held to four times the smallest period does not hold others of up to sixteen.
 void IndividualSteps::limit_ratios(const NeighbourList& list) {
-  const std::vector<std::uint8_t> smallest = smallest_around(list, period_);
+  // Four times a longer one is no limit.
+  const std::vector<std::uint8_t> smallest =
+      smallest_around(list, period_, static_cast<std::uint8_t>(largest_ / (2 * largest_ratio)));
   for (std::size_t g = 0; g < groups(); ++g)
     period_[g] = static_cast<std::uint8_t>(std::min<int>(period_[g], largest_ratio * smallest[g]));
 }
@@ -168,7 +175,7 @@ void IndividualSteps::take_every_step() {
 }
 
 void IndividualSteps::keep_pace(const NeighbourList& list) {
-  pace_ = smallest_around(list, period_);
+  pace_ = smallest_around(list, period_, static_cast<std::uint8_t>(largest_ / 2));
 }
 
 void IndividualSteps::plan_kick(std::size_t group, double dt, bool as_begun) {

@@ -55,6 +55,31 @@ TEST(Effects, FollowTheSceneUnlessSwitched) {
   EXPECT_TRUE(decide("rolling_resistance", {{"infill.approach", "dem"}}).on);
 }
 
+TEST(Effects, TheBackingIsThereForTheStrandsThatStandInIt) {
+  EXPECT_THAT(decide("backing", {}).why, HasSubstr("strands stand in it"));
+  EXPECT_TRUE(decide("backing", {}).on);
+  const Overrides bare{{"effects.fibres", "false"}};
+  EXPECT_FALSE(decide("backing", bare).on);
+  EXPECT_THAT(decide("backing", bare).why, HasSubstr("rigid floor"));
+  EXPECT_TRUE(decide("backing", {{"effects.fibres", "false"}, {"effects.backing", "true"}}).on);
+  try {
+    (void)read_scene("inputs/clegg_small.toml", {{"effects.backing", "false"}});
+    ADD_FAILURE() << "strands without a backing were accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("effects.backing"));
+    EXPECT_THAT(error.what(), HasSubstr("switch effects.fibres off too"));
+  }
+}
+
+TEST(Effects, ErosionNeedsShellsThatCanFail) {
+  Overrides brittle{{"turf.carpet.backing.failure_strain", "0.3"}};
+  EXPECT_TRUE(decide("erosion", brittle).on);
+  brittle.emplace_back("effects.fibres", "false");
+  EXPECT_THAT(decide("erosion", brittle).why, HasSubstr("neither strands nor backing"));
+  brittle.emplace_back("effects.backing", "true");
+  EXPECT_TRUE(decide("erosion", brittle).on);
+}
+
 TEST(Effects, CohesionIsOnWhereGrainsOfTheLayersOrAPairOfThemHaveIt) {
   Overrides dem{{"infill.approach", "dem"}};
   const auto with = [&](const std::string& key, const std::string& value) {

@@ -214,6 +214,7 @@ TEST(SceneMistakes, ConditioningThatTheInfillCannotTake) {
   EXPECT_THAT(with("sphere_diameter = 1.415"), HasSubstr("spheres fill 1.5 of the room as placed"));
   EXPECT_THAT(with("press_time = \"0 s\""), HasSubstr("must be above 0 s"));
   EXPECT_THAT(with("state = \"loose\""), HasSubstr("\"auto\", \"initial\" or \"compacted\" is needed"));
+  EXPECT_THAT(with("tolerance = \"1 mm\""), HasSubstr("give conditioning.presses above 1, or leave it out"));
   EXPECT_THAT(complaint_for("[rig]", "[conditioning]\nmethod = \"compact\"\n[rig]"),
               HasSubstr("did you mean \"compaction\"?"));
 }

@@ -66,8 +66,8 @@ TEST(SphDrop, BedWhoseRowsAreNoCubesStandsInItsTrayFromTheStartAndBearsItsWeight
                            {"output.frames", "1 ms"}};
   const RunSummary summary = drop("standing", settling);
   EXPECT_EQ(summary.notes.at("initial_overlaps").value, 0);
-  // Placed half a row above the backing, which lies on the floor. What falls for the 10 ms before the missile
-  // comes falls 0.5 mm.
+  // Placed half a row above the floor, which is as high as the backing. What falls for the 10 ms before the
+  // missile comes falls 0.5 mm.
   const Scene scene = coarse_scene(settling);
   const double row = scene.turf.layers.front().depth;
   double lowest = 1, weight = 0;
@@ -80,6 +80,26 @@ TEST(SphDrop, BedWhoseRowsAreNoCubesStandsInItsTrayFromTheStartAndBearsItsWeight
   // Pressed between walls that its rows overlap by an eighth of a pitch in all, sand bears 50 kPa.
   for (const double pressure : infill_at("standing", "pressure", 0, 1))
     EXPECT_LT(std::abs(pressure), 2 * weight) << "weight " << weight << " Pa";
+}
+
+TEST(SphDrop, InfillAloneStandsOnARigidFloorWhereItWouldOnItsBackingAndIsNearlyAsHard) {
+  Overrides overrides{{"scene.duration", "12 ms"}, {"effects.fibres", "false"}, {"output.frames", "1 ms"}};
+  const RunSummary on_floor = drop("on-floor", overrides);
+  overrides.push_back({"effects.backing", "true"});
+  const RunSummary on_sheet = drop("on-sheet", overrides);
+  EXPECT_EQ(on_floor.shells, 0u);
+  EXPECT_GT(on_sheet.shells, 0u);
+  EXPECT_LT(on_floor.energy_error, 0.005);
+  EXPECT_LT(on_floor.momentum_error, 1e-9);
+  const auto lowest = [](const std::string& name) {
+    const std::vector<double> x = infill_at(name, "position", 0, 3);
+    double z = 1;
+    for (std::size_t i = 2; i < x.size(); i += 3) z = std::min(z, x[i]);
+    return z;
+  };
+  EXPECT_NEAR(lowest("on-floor"), lowest("on-sheet"), 1e-4);
+  const double peak = on_sheet.results.at("peak_g").value;
+  EXPECT_NEAR(on_floor.results.at("peak_g").value, peak, 0.1 * peak);
 }
 
 /// Peak of the small scene itself, g: on the coarser one of the other tests single particles weigh too much.
