@@ -332,7 +332,7 @@ struct EffectDecision {
 
 /// Decides every named effect for a scene (core/effects.cpp). Names: fibres, friction_rate
 /// (velocity-dependent friction), artificial_viscosity, zero_energy_control, tension_cutoff,
-/// rolling_resistance, grain_cohesion, overlap_release, contact_damping, erosion, density_hardening,
+/// rolling_resistance, grain_cohesion, clumps, overlap_release, contact_damping, erosion, density_hardening,
 /// strength_softening, strength_recovery, strength_rate, dilation, shear_energy.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
 /// The first effect that the scene switches on although it has nothing to act on; `why` says what it lacks.
