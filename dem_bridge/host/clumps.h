@@ -36,7 +36,9 @@ class Clumps {
   };
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   /// The body of an atom, or -1.
-  [[nodiscard]] int of_atom(int atom) const { return of_atom_[static_cast<std::size_t>(atom)]; }
+  [[nodiscard]] int of_atom(int atom) const {
+    return empty() ? -1 : of_atom_[static_cast<std::size_t>(atom)];
+  }
   /// Of the mass, of a sphere; 1 for a grain of its own.
   [[nodiscard]] double share(int atom) const;
 

@@ -237,7 +237,7 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
       for (std::size_t a = 0; a < count; ++a) {
         const std::size_t i = index(static_cast<int>(a));
         if (some_expelled && expelled[i] != 0) continue;
-        if (!clumps->empty() && clumps->of_atom(static_cast<int>(a)) >= 0) continue;
+        if (clumps->of_atom(static_cast<int>(a)) >= 0) continue;
         kick_one(kick, a, i, loaded[i / load_block] != 0, sums);
       }
     }

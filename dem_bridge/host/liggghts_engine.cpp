@@ -50,7 +50,7 @@ void LiggghtsEngine::Impl::set_step(double step) {
     const double change = 0.5 * (step - update->dt);
     change_clump_step(change);
     for (int a = 0; a < atom->nlocal; ++a) {
-      if (!clumps->empty() && clumps->of_atom(a) >= 0) continue;
+      if (clumps->of_atom(a) >= 0) continue;
       const double mass = atom->rmass[a], inertia = 0.4 * mass * atom->radius[a] * atom->radius[a];
       store3(atom->v[a], load3(atom->v[a]) + change / mass * load3(atom->f[a]));
       store3(atom->omega[a], load3(atom->omega[a]) + change / inertia * load3(atom->torque[a]));
