@@ -142,9 +142,9 @@ TEST(SceneMistakes, ClumpsThatAreNoBodiesAreNamed) {
   };
   EXPECT_THAT(
       clump("shape = \"cube\""),
-      AllOf(StartsWith("a.toml:26: materials.sand.grain.clump.shape: \"cube\""), HasSubstr("tetrahedron")));
+      AllOf(StartsWith("a.toml:25: materials.sand.grain.clump.shape: \"cube\""), HasSubstr("tetrahedron")));
   EXPECT_THAT(clump("overlap = 1"), AllOf(HasSubstr("clump.overlap: 1"), HasSubstr("below 1")));
-  EXPECT_THAT(clump("shape = \"spheres\""), AllOf(StartsWith("a.toml:26"), HasSubstr("missing; shape")));
+  EXPECT_THAT(clump("shape = \"spheres\""), AllOf(StartsWith("a.toml:25"), HasSubstr("missing; shape")));
   EXPECT_THAT(clump("shape = \"pair\", spheres = [{ radius = 1 }]"), HasSubstr("is for shape = \"spheres\""));
   const std::string spheres = "shape = \"spheres\", spheres = ";
   EXPECT_THAT(clump(spheres + "[{ x = 1 }]"), HasSubstr("radius"));
@@ -166,10 +166,10 @@ TEST(SceneMistakes, WhatClumpsCannotBeCombinedWithIsNamed) {
   EXPECT_NO_THROW((void)read_scene_text(clumps, "a.toml", dem));
   EXPECT_THAT(
       complaint(clumps + "[infill.dem]\nranks = 2\n", dem),
-      AllOf(StartsWith("a.toml:28: infill.dem.ranks: 2"), HasSubstr("clumps of grains need one process")));
+      AllOf(StartsWith("a.toml:27: infill.dem.ranks: 2"), HasSubstr("clumps of grains need one process")));
   EXPECT_THAT(
       complaint(clumps + "[output.micro]\ncontacts = true\n", dem),
-      AllOf(StartsWith("a.toml:28: output.micro.contacts: true"), HasSubstr("effects.clumps = false")));
+      AllOf(StartsWith("a.toml:27: output.micro.contacts: true"), HasSubstr("effects.clumps = false")));
   EXPECT_THAT(complaint(clumps + "[output.micro]\nfields = true\n", dem), HasSubstr("output.micro.fields"));
   const Overrides off{{"infill.approach", "dem"}, {"effects.clumps", "false"}};
   EXPECT_NO_THROW((void)read_scene_text(clumps + "[infill.dem]\nranks = 2\n", "a.toml", off));

@@ -292,6 +292,17 @@ TEST(ExpelledClump, LeavesAsAWholeAndIsCountedOnce) {
   EXPECT_LT(view.vz[5], -900 * window * 9.8) << "the other one falls on";
 }
 
+/// LIGGGHTS keeps what has left within 2 mm of the end of its own box: less than this clump reaches.
+TEST(ExpelledClump, MayBeLargerThanTheRoomInWhichItIsKept) {
+  Grains grains;
+  const std::vector<Material> materials{clumped({ClumpShape::pair, 0.1})};
+  add_clump(grains, materials[0], Vec3(0.0098, 0, 0), 0.006, turn_about(Vec3(0, 1, 0), 0.8));
+  DemInfill infill(grains, materials, settings_in_box(0.01));
+  infill.set_velocity(0, Vec3(5, 0, 0), Vec3(0, 0, 0));
+  for (int k = 0; k < 500; ++k) infill.advance(2e-6, 1, no_impulses(2));
+  EXPECT_EQ(infill.expelled().particles, 1u);
+}
+
 TEST(ExpelledClump, StaysExpelledToTheSameBitsAcrossACheckpoint) {
   const auto file = std::filesystem::temp_directory_path() / "tuft_expelled_clump.h5";
   Grains grains;

@@ -132,7 +132,9 @@ TEST(KickOfOneSphere, GivesTheBodyItsVelocityAndSpin) {
   hit.angular.set(0, twist);
   for (const int substeps : {1, 3}) {
     DemInfill struck = flight.infill();
-    struck.advance(1e-7, substeps, hit);
+    const AdvanceReport report = struck.advance(1e-7, substeps, hit);
+    EXPECT_LT((report.impulse_received - impulse).norm(), 1e-15 * impulse.norm());
+    EXPECT_LT((report.impulse_scale - impulse.cwiseAbs()).norm(), 1e-15 * impulse.norm());
     struck.advance(1e-7, substeps, no_impulses(2));
     const Vec3 end = flight.grains.position[1] - flight.body.centre, moment = end.cross(impulse);
     const Vec3 spin = moment / flight.inertia[0] + twist / flight.inertia[2];
@@ -265,7 +267,8 @@ TEST(ClumpOfOneSphere, BouncesAsTheSphereDoes) {
     infill.set_velocity(0, Vec3(0.5, 0.1, 0), Vec3(0, 0, 20));
     infill.set_velocity(1, Vec3(-0.5, 0, 0.1), Vec3(10, 0, 0));
     infill.set_damping(20);
-    for (int k = 0; k < 400; ++k) infill.advance(4e-6, 2, no_impulses(3));
+    // Steps that change also in contact: half a kick is made before the next step is known.
+    for (int k = 0; k < 400; ++k) infill.advance(k % 2 == 0 ? 5e-6 : 3e-6, 2, no_impulses(3));
     views[clump ? 1 : 0] = infill.particles();
   }
   for (std::size_t i = 0; i < 3; ++i) {
