@@ -9,7 +9,7 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 18> named_effects{{
+inline constexpr std::array<EffectName, 19> named_effects{{
     {"fibres", "strands of the carpet"},
     {"backing", "the sheet that strands stand in; off: a rigid floor at its height"},
     {"friction_rate", "friction that changes with sliding speed"},
@@ -19,6 +19,7 @@ inline constexpr std::array<EffectName, 18> named_effects{{
     {"tension_cutoff", "infill that cannot bear tension (sph)"},
     {"rolling_resistance", "resistance of grains to rolling (dem)"},
     {"grain_cohesion", "grains that hold to each other (dem)"},
+    {"clumps", "grains made of several spheres each (dem)"},
     {"overlap_release", "initial overlap let go gradually"},
     {"contact_damping", "energy lost in contacts"},
     {"erosion", "shells that are strained too far fail"},

@@ -141,6 +141,12 @@ Need need_grain_cohesion(const Scene& scene) {
   return {true, "grains of " + name + " hold to each other (cohesion_energy_density above 0)"};
 }
 
+Need need_clumps(const Scene& scene) {
+  const std::string name = first_with(scene, [](const Material& m) { return m.grain && m.grain->clump; });
+  if (name.empty()) return {false, "no grain material has a clump"};
+  return {true, "grains of " + name + " are clumps of spheres (grain.clump)"};
+}
+
 Need need_overlap_release(const Scene& scene) {
   if (scene.rig.is_specimen()) return {false, "a specimen is placed without overlap"};
   if (scene.numerics.contact_release_time == 0) return {false, "numerics.contact_release_time is 0"};
@@ -250,6 +256,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"tension_cutoff", Approach::sph, need_tension_cutoff},
     {"rolling_resistance", Approach::dem, need_rolling_resistance},
     {"grain_cohesion", Approach::dem, need_grain_cohesion},
+    {"clumps", Approach::dem, need_clumps},
     {"overlap_release", std::nullopt, need_overlap_release},
     {"contact_damping", std::nullopt, need_contact_damping},
     {"erosion", std::nullopt, need_erosion},

@@ -96,6 +96,46 @@ void complete_sieve(GrainMaterial& grain, const std::string& path, const Places&
   take(grain.diameter_max, sieve.x.back(), "diameter_max");
 }
 
+/// The list of a clump of ClumpShape::spheres: one piece, and no sphere that is not seen.
+void check_clump(const Clump& clump, const std::string& path, const Places& places) {
+  const std::vector<ClumpSphere>& spheres = clump.spheres;
+  const std::string key = path + ".spheres";
+  if (clump.shape != ClumpShape::spheres) {
+    if (!spheres.empty()) places.fail(key, "is for shape = \"spheres\"; leave it out, or choose that");
+    return;
+  }
+  if (clump.overlap != Clump{}.overlap)
+    places.fail(path + ".overlap", "is for pair, triangle and tetrahedron; listed spheres lie as they are");
+  if (spheres.empty())
+    places.fail(
+        key, "missing; shape = \"spheres\" needs a list like [{ x = 0, radius = 1 }, { x = 1, radius = 1 }]");
+  if (spheres.size() > largest_clump)
+    places.fail(key, fmt::format("holds {} spheres; a clump has at most {}", spheres.size(), largest_clump));
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    const ClumpSphere &s = spheres[a], &t = spheres[b];
+    return std::hypot(s.x - t.x, s.y - t.y, s.z - t.z);
+  };
+  std::vector<bool> reached(spheres.size(), false);
+  std::vector<std::size_t> next{0};
+  reached[0] = true;
+  for (std::size_t k = 0; k < next.size(); ++k)
+    for (std::size_t b = 0; b < spheres.size(); ++b) {
+      const std::size_t a = next[k];
+      if (a == b) continue;
+      if (distance(a, b) + spheres[b].radius <= spheres[a].radius)
+        places.fail(fmt::format("{}.{}", key, b),
+                    fmt::format("lies within sphere {} of the list; leave it out", a));
+      constexpr double touching = 1 + 1e-9;
+      if (reached[b] || distance(a, b) > touching * (spheres[a].radius + spheres[b].radius)) continue;
+      reached[b] = true;
+      next.push_back(b);
+    }
+  if (next.size() == spheres.size()) return;
+  const auto apart = std::find(reached.begin(), reached.end(), false) - reached.begin();
+  places.fail(fmt::format("{}.{}", key, apart),
+              "touches none of those that hang together with the first; a clump is one piece");
+}
+
 void check_names(const Scene& scene, const Places& places) {
   std::vector<std::string> names;
   for (const Material& material : scene.materials) names.push_back(material.name);
@@ -169,10 +209,24 @@ void check_host(const DemOptions& dem, const Places& places) {
                 "a host on another machine is one process; use 1 rank, or leave out infill.dem.host");
 }
 
+/// What clumps cannot be combined with.
+void check_clumps_run(const Scene& scene, const Places& places) {
+  if (!effect_on(decide_effects(scene), "clumps")) return;
+  if (scene.infill.dem.ranks > 1)
+    places.fail("infill.dem.ranks",
+                "clumps of grains need one process; use 1 rank, or effects.clumps = false");
+  if (scene.output.micro.contacts || scene.output.micro.fields)
+    places.fail(
+        scene.output.micro.contacts ? "output.micro.contacts" : "output.micro.fields",
+        "forces within clumps of grains are not known, so neither is their stress; set this to false, or "
+        "effects.clumps = false");
+}
+
 }  // namespace
 
 void complete_grain(GrainMaterial& grain, const std::string& path, const Places& places) {
   const GrainSizes& sizes = grain.sizes;
+  if (grain.clump) check_clump(*grain.clump, path + ".clump", places);
   if (sizes.law != SizeLaw::lognormal) {
     refuse(sizes.median != 0, path + ".sizes.median", "lognormal", places);
     refuse(sizes.geometric_deviation != 0, path + ".sizes.geometric_deviation", "lognormal", places);
@@ -193,6 +247,7 @@ void complete_dem(Scene& scene, const Places& places) {
   check_pairs(scene, places);
   complete_contact(scene.infill.dem, scene.rig.clegg, places);
   check_host(scene.infill.dem, places);
+  check_clumps_run(scene, places);
 }
 
 }  // namespace tuft

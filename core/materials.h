@@ -152,6 +152,24 @@ struct GrainSizes {
   Curve sieve = {};                ///< x: opening, m; y: share that passes, from 0 to 1
 };
 
+/// What a clump is made of: equal spheres in a row of two, a triangle or a tetrahedron, or spheres as listed.
+enum class ClumpShape { pair, triangle, tetrahedron, spheres };
+
+/// One sphere of a clump, in any unit of length: a clump is scaled to the size of its grain.
+struct ClumpSphere {
+  double x = 0, y = 0, z = 0;
+  double radius = 1;  ///< > 0
+};
+
+/// Spheres that make up a grain and overlap, a rigid body with the mass of their union. Its size is the
+/// diameter of the sphere of the same volume.
+struct Clump {
+  ClumpShape shape = ClumpShape::tetrahedron;
+  double overlap = 0.5;  ///< [0, 1), of the named shapes: depth that neighbours share over their diameter
+  std::vector<ClumpSphere> spheres = {};  ///< of ClumpShape::spheres
+};
+inline constexpr std::size_t largest_clump = 32;  ///< spheres
+
 /// One kind of grain.
 struct GrainMaterial {
   double density = 0;                  ///< kg/m^3, of the solid
@@ -164,6 +182,7 @@ struct GrainMaterial {
   double diameter_max = 0;             ///< m
   double cohesion_energy_density = 0;  ///< J/m^3, >= 0: cohesive force over contact area (sjkr)
   GrainSizes sizes = {};
+  std::optional<Clump> clump = {};  ///< effect clumps; none: grains are spheres
 };
 
 /// Share of a grain material in a layer's mass (a mixture has two, a pure material one: itself).

@@ -330,12 +330,12 @@ struct EffectDecision {
   std::string why;
 };
 
-/// Decides every named effect for a scene (core/effects.cpp). Names and meanings: core/effect_names.h.
+/// Decides every named effect for a scene (core/effects.cpp); names and meanings: core/effect_names.h. An
+/// effect is on because the scene needs it, or as the scene says; each comes with its reason. What belongs to
+/// the other kind of infill is off whatever the scene says, and what cannot act in the scene's rig (on a
+/// strip of carpet, on a specimen of infill) is not listed.
 [[nodiscard]] std::vector<EffectDecision> decide_effects(const Scene& scene);
-/// The first effect that the scene switches on although it has nothing to act on, or off although another
-/// that is on needs it; `why` says what is wrong and what to do.
-///
-///
+/// The first effect switched on with nothing to act on, or off though another needs it; `why`: what to do.
 [[nodiscard]] std::optional<EffectDecision> idle_effect(const Scene& scene);
 [[nodiscard]] bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name);
 

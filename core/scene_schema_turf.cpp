@@ -144,6 +144,23 @@ void describe_grain_sizes(KeyVisitor& keys, GrainSizes& sizes) {
              {"opening", "m", "passing", "", {0, 1, false, false}});
 }
 
+void describe_clump(KeyVisitor& keys, Clump& clump) {
+  static constexpr std::string_view shapes[] = {"pair", "triangle", "tetrahedron", "spheres"};
+  keys.enumeration(
+      {"shape", "two, three or four equal spheres that all touch each other, or those of spheres"},
+      clump.shape, shapes);
+  keys.number({"overlap", "pair, triangle, tetrahedron: depth that neighbours share over their diameter"},
+              clump.overlap, {0, 1, false, true});
+  keys.list<ClumpSphere>(
+      {"spheres", "spheres: the clump in any unit of length, it is scaled to the grain's size"},
+      clump.spheres, [](KeyVisitor& inside, ClumpSphere& sphere) {
+        inside.number({"x", "centre"}, sphere.x, any);
+        inside.number({"y", "centre"}, sphere.y, any);
+        inside.number({"z", "centre"}, sphere.z, any);
+        inside.number(required("radius", "of the sphere"), sphere.radius, positive);
+      });
+}
+
 void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {
   keys.quantity(required("density", "density of the solid"), grain.density, "kg/m^3", positive);
   keys.quantity(required("young_modulus", "Young's modulus"), grain.young_modulus, "Pa", positive);
@@ -160,6 +177,10 @@ void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {
                 non_negative);
   keys.table({"sizes", "distribution of diameters; left out: uniform in number"},
              [&](KeyVisitor& inside) { describe_grain_sizes(inside, grain.sizes); });
+  keys.optional_table<Clump>(
+      {"clump",
+       "effect clumps: a rigid body of spheres; sizes are then diameters of spheres of equal volume"},
+      grain.clump, describe_clump);
 }
 
 void describe_grain_share(KeyVisitor& keys, GrainShare& share_of) {

@@ -1,6 +1,6 @@
 #include "coupler/bed_state.h"
 
-#include <numbers>
+#include <span>
 
 #include "coupler/layer_depth.h"
 
@@ -9,13 +9,13 @@ namespace tuft::coupler {
 BedState measure_bed(const dem::DemInfill& infill, std::array<double, 2> size, double floor,
                      std::size_t layers) {
   const ParticleView grains = infill.particles();
+  const std::span<const Index> clumps = infill.clumps();
   double mass = 0, volume = 0, count = 0;
   for (std::size_t i = 0; i < grains.size(); ++i) {
     if (grains.is_expelled(i)) continue;
-    const double r = grains.radius[i];
     mass += grains.mass[i];
-    volume += 4.0 / 3 * std::numbers::pi * r * r * r;
-    ++count;
+    volume += infill.solid_volume(i);
+    if (i == 0 || clumps.empty() || clumps[i] < 0 || clumps[i] != clumps[i - 1]) ++count;
   }
   BedState bed;
   bed.depth = layer_tops(grains, size, floor, layers).back();

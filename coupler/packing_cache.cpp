@@ -35,8 +35,8 @@ std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& e
   bare.numerics.seed = scene.numerics.seed;
   bare.numerics.step_safety = scene.numerics.step_safety;
   std::string text = std::string(packing_version) + "\n" + write_scene(bare);
-  for (const char* name :
-       {"fibres", "backing", "friction_rate", "rolling_resistance", "grain_cohesion", "contact_damping"})
+  for (const char* name : {"fibres", "backing", "friction_rate", "rolling_resistance", "grain_cohesion",
+                           "clumps", "contact_damping"})
     text += std::string(name) + (effect_on(effects, name) ? " on\n" : " off\n");
   text += container;
   return content_hash(text);
@@ -78,6 +78,7 @@ bool PackingCache::load(dem::Grains& grains) const {
     grains.density = root.read_doubles("density");
     grains.layer = root.read_ints("layer");
     grains.material = root.read_ints("material");
+    if (root.has("body")) grains.body = root.read_ints("body");
     return grains.position.x.size() == grains.radius.size() && grains.material.size() == grains.radius.size();
   } catch (const RunError&) {
     return false;  // a cache that cannot be read is a cache that is not there
@@ -97,6 +98,7 @@ void PackingCache::store(const dem::Grains& grains) const {
     root.write("density", std::span<const double>(grains.density));
     root.write("layer", std::span<const std::int32_t>(grains.layer));
     root.write("material", std::span<const std::int32_t>(grains.material));
+    if (!grains.body.empty()) root.write("body", std::span<const std::int32_t>(grains.body));
     file.commit();
   } catch (const std::exception&) {
     // The run does not need the cache: a full or read-only home must not stop it.

@@ -39,6 +39,7 @@ dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>&
   packing.materials = &scene.materials;
   packing.options = &scene.infill.dem;
   packing.seed = scene.numerics.seed;
+  packing.clumps = effect_on(effects, "clumps");
   packing.obstacles = quads;
   grains = dem::pack_grains(packing);
   report(0.1);

@@ -35,7 +35,8 @@ std::array<Vec3, 2> grain_box(const SpecimenRoom& room) {
           Vec3(1.5 * room.size[0], 1.5 * room.size[1], 5 * room.height)};
 }
 
-dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room, const SpecimenStrand* strand) {
+dem::Grains packed_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
+                          const SpecimenRoom& room, const SpecimenStrand* strand) {
   Turf one_layer;
   one_layer.layers = {{room.material, room.height}};
   dem::PackingRequest packing;
@@ -45,6 +46,7 @@ dem::Grains packed_grains(const Scene& scene, const SpecimenRoom& room, const Sp
   packing.materials = &scene.materials;
   packing.options = &scene.infill.dem;
   packing.seed = scene.numerics.seed;
+  packing.clumps = effect_on(effects, "clumps");
   std::vector<dem::ThinQuad> obstacles;
   if (strand != nullptr) obstacles = thin_quads(strand->mesh);
   packing.obstacles = obstacles;
@@ -60,7 +62,7 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   Specimen loose;
   loose.room = room;
   if (cache.load(loose.grains)) return loose.grains;
-  loose.grains = packed_grains(scene, room, strand);
+  loose.grains = packed_grains(scene, effects, room, strand);
   Scene still = scene;
   // A means to get grains at rest: its energy balance is not a result.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();

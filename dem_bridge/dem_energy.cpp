@@ -14,10 +14,27 @@ void DemInfill::Impl::ask_stored() {
   sum_stored();
 }
 
-double DemInfill::Impl::kinetic_of_view() {
+/// Before the first window, when bodies lie as given.
+double DemInfill::Impl::kinetic_of_bodies() {
   double sum = 0;
+  const auto vector = [&](std::size_t first, std::size_t i) {
+    return Vec3(array(first)[i], array(first + 1)[i], array(first + 2)[i]);
+  };
+  for (const GrainBody& body : bodies.bodies) {
+    Vec3 velocity(0, 0, 0);
+    for (std::size_t k = 0; k < body.count; ++k)
+      velocity += bodies.shape_of(body).share[k] * vector(SharedArrays::velocity_x, body.first + k);
+    const Vec3 spin = body.axes.transpose() * vector(SharedArrays::spin_x, body.first);
+    sum += 0.5 * (body.mass * velocity.squaredNorm() + spin.dot(bodies.inertia_of(body).asDiagonal() * spin));
+  }
+  return sum;
+}
+
+double DemInfill::Impl::kinetic_of_view() {
+  double sum = kinetic_of_bodies();
   const auto mass = array(SharedArrays::mass);
   for (std::size_t i = 0; i < grains.size(); ++i) {
+    if (!grains.body.empty() && grains.body[i] >= 0) continue;
     double speed = 0, spin = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       speed += array(SharedArrays::velocity_x + c)[i] * array(SharedArrays::velocity_x + c)[i];

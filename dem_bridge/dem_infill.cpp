@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -19,19 +20,29 @@ using Clock = std::chrono::steady_clock;
 
 DemInfill::Impl::Impl(const Grains& given, const std::vector<Material>& given_materials,
                       const DemSettings& given_settings)
-    : grains(given), materials(given_materials), settings(given_settings), used(used_materials(given)) {
+    : grains(given),
+      materials(given_materials),
+      settings(given_settings),
+      bodies(find_bodies(given, given_materials)),
+      used(used_materials(given)) {
   const auto [smallest, largest] = std::minmax_element(grains.radius.begin(), grains.radius.end());
   sizes = {grains.size(), *smallest, *largest};
   stable_step = rayleigh_time = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < grains.size(); ++i) {
+  const auto take_step = [&](std::size_t i, double density, double mass_ratio) {
     const GrainMaterial& grain = *materials[static_cast<std::size_t>(grains.material[i])].grain;
-    rayleigh_time = std::min(rayleigh_time, stable_grain_step(grains.radius[i], grains.density[i],
-                                                              grain.young_modulus, grain.poisson_ratio) /
+    rayleigh_time = std::min(rayleigh_time, stable_grain_step(grains.radius[i], density, grain.young_modulus,
+                                                              grain.poisson_ratio) /
                                                 stable_rayleigh_share);
-    stable_step =
-        std::min(stable_step, stable_step_of_grain(grains.radius[i], grains.density[i], grains.material[i],
-                                                   used, materials, settings.options));
-  }
+    stable_step = std::min(stable_step, stable_step_of_grain(grains.radius[i], density, grains.material[i],
+                                                             used, materials, settings.options, mass_ratio));
+  };
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    if (grains.body.empty() || grains.body[i] < 0) take_step(i, grains.density[i], 1);
+  for (const GrainBody& body : bodies.bodies)
+    for (std::size_t k = 0; k < body.count; ++k) {
+      const auto [density, ratio] = sphere_of_clump(bodies.shape_of(body), k, grains.density[body.first]);
+      take_step(body.first + k, density, ratio);
+    }
   overlap_largest.assign(used.size() * (used.size() + 1) / 2, 0);
 }
 
@@ -47,7 +58,8 @@ void DemInfill::Impl::new_host() {
 }
 
 void DemInfill::Impl::set_up(const std::string& source_command) {
-  ask(Request::commands, set_up_commands(source_command, used, materials, settings, sizes, stable_step));
+  ask(Request::commands, set_up_commands(source_command, used, materials, settings, sizes, stable_step,
+                                         clumped_materials(grains, used)));
   check_count();
 }
 
@@ -58,6 +70,7 @@ void DemInfill::Impl::start_fresh() {
   for (std::size_t c = 0; c < 3; ++c)
     std::copy(position[c]->begin(), position[c]->end(), array(SharedArrays::position_x + c).begin());
   host->write_file("grains.data", data_file(grains, used, host_domain(settings)));
+  if (!bodies.empty()) host->write_file(bodies_file_name, bodies_file(bodies, grains));
   set_up("read_data grains.data");
   ask_stored();
   initial_stored = sums.stored;
@@ -127,6 +140,15 @@ void DemInfill::Impl::check_speeds(double step) {
         "{:.3g} us, past what it should touch; lower numerics.step_safety, or see what shot it out",
         time, i, 1e3 * grains.radius[i], speed, 1e3 * step * speed, 1e6 * step);
   }
+}
+
+const GrainBody* DemInfill::Impl::body_of(std::size_t grain) const {
+  // Bodies are in the order of their spheres.
+  const auto after = std::upper_bound(bodies.bodies.begin(), bodies.bodies.end(), grain,
+                                      [](std::size_t g, const GrainBody& body) { return g < body.first; });
+  if (after == bodies.bodies.begin()) return nullptr;
+  const GrainBody& body = *(after - 1);
+  return grain < body.first + body.count ? &body : nullptr;
 }
 
 void DemInfill::Impl::take_report(AdvanceReport& report) {
@@ -270,12 +292,28 @@ void DemInfill::set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin
   Impl& my = *impl_;
   if (my.started) throw std::logic_error("DemInfill::set_velocity after the first advance");
   if (i >= my.grains.size()) throw std::out_of_range("DemInfill::set_velocity: no such grain");
-  for (std::size_t c = 0; c < 3; ++c) {
-    my.array(SharedArrays::velocity_x + c)[i] = linear[static_cast<Eigen::Index>(c)];
-    my.array(SharedArrays::spin_x + c)[i] = spin[static_cast<Eigen::Index>(c)];
-  }
+  const auto set = [&](std::size_t k, const Vec3& velocity) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      my.array(SharedArrays::velocity_x + c)[k] = velocity[static_cast<Eigen::Index>(c)];
+      my.array(SharedArrays::spin_x + c)[k] = spin[static_cast<Eigen::Index>(c)];
+    }
+  };
+  const GrainBody* const body = my.body_of(i);
+  if (body == nullptr) return set(i, linear);
+  const Vec3 here = particles().position(i);
+  for (std::size_t k = body->first; k < body->first + body->count; ++k)
+    set(k, linear + spin.cross(particles().position(k) - here));
 }
 
+std::span<const Index> DemInfill::clumps() const {
+  return impl_->grains.body;
+}
+double DemInfill::solid_volume(std::size_t i) const {
+  const Grains& grains = impl_->grains;
+  if (!grains.body.empty() && grains.body[i] >= 0) return particles().mass[i] / grains.density[i];
+  const double r = grains.radius[i];
+  return 4.0 / 3 * std::numbers::pi * r * r * r;
+}
 double DemInfill::waiting_seconds() const {
   return impl_->waiting;
 }

@@ -9,13 +9,16 @@
 
 namespace tuft::dem {
 
-/// Grains placed in space. Index i is LIGGGHTS tag i + 1.
+/// Grains placed in space, or the spheres that clumps are made of. Index i is LIGGGHTS tag i + 1.
 struct Grains {
   Vec3Array position;           ///< m
   std::vector<double> radius;   ///< m
   std::vector<double> density;  ///< kg/m^3
   std::vector<Index> layer;     ///< index into the turf's layers
   std::vector<Index> material;  ///< index into Scene::materials
+  /// Number of the clump that a sphere belongs to, whose spheres follow each other in the order of their
+  /// material's clump; below 0: a grain of its own. Empty: all are.
+  std::vector<Index> body = {};
   [[nodiscard]] std::size_t size() const { return radius.size(); }
 };
 
@@ -33,13 +36,15 @@ struct PackingRequest {
   const std::vector<Material>* materials = nullptr;
   const DemOptions* options = nullptr;
   std::uint64_t seed = 1;
+  bool clumps = false;  ///< grains of materials with a clump are clumps (effect clumps), else spheres
   std::span<const ThinQuad> obstacles;
 };
 
 /// Geometric packing: random grains per layer up to the layer's mass, overlaps pushed apart against walls,
 /// obstacles and each other. Deterministic for a seed. Not yet at rest: settle it with dynamics (the coupler
-/// does). Throws InputError for a request that cannot be packed, and for a layer that would hold not a single
-/// grain.
+/// does). Clumps have the volumes, so the masses and numbers, of the spheres in whose place they are, and
+/// are turned at random. Throws InputError for a request that cannot be packed, and for a layer that would
+/// hold not a single grain.
 [[nodiscard]] Grains pack_grains(const PackingRequest& request);
 
 /// Factor on the diameters of a grain material: its own, else that of all.
@@ -105,8 +110,13 @@ class DemInfill final : public Infill {
   /// one DEM step, and of carrying 32 bytes a contact.
   [[nodiscard]] ContactNetwork contacts() const override;
 
-  /// Before the first advance; std::logic_error afterwards.
+  /// Before the first advance; std::logic_error afterwards. Of a clump's sphere: the whole clump moves as a
+  /// rigid body whose sphere i has this velocity and spin.
   void set_velocity(std::size_t i, const Vec3& linear, const Vec3& spin);
+  /// Grains::body as given.
+  [[nodiscard]] std::span<const Index> clumps() const;
+  /// m^3, of a grain; of a clump's sphere its share of the clump's, as of its mass.
+  [[nodiscard]] double solid_volume(std::size_t i) const;
   [[nodiscard]] double waiting_seconds() const;   ///< wall time spent waiting for the host's DEM steps
   [[nodiscard]] double exchange_seconds() const;  ///< wall time of copying and signalling
   [[nodiscard]] int host_process() const;         ///< process id, for tests that kill it

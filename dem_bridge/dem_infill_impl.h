@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "dem_bridge/clump_bodies.h"
 #include "dem_bridge/dem_infill.h"
 #include "dem_bridge/host_link.h"
 #include "dem_bridge/liggghts_script.h"
@@ -40,6 +41,7 @@ struct DemInfill::Impl {
   Grains grains;
   std::vector<Material> materials;
   DemSettings settings;
+  GrainBodies bodies;  // as given
   std::vector<Index> used;
   double stable_step = 0;
   double rayleigh_time = 0, largest_step = 0;  // s, of the grain with the smallest; so far
@@ -79,6 +81,7 @@ struct DemInfill::Impl {
   void send_impulses(const ContactImpulses& contact);
   void check_speeds(double step);
   /// Adds what the ranks report of a window to the sums, rank by rank.
+  [[nodiscard]] const GrainBody* body_of(std::size_t grain) const;
   void take_report(AdvanceReport& report);
   /// Throws RunError when a grain has been lost to LIGGGHTS, naming it.
   void check_count();
@@ -88,6 +91,7 @@ struct DemInfill::Impl {
   void ask_stored();
   void sum_stored();
   [[nodiscard]] double kinetic_of_view();
+  [[nodiscard]] double kinetic_of_bodies();
   [[nodiscard]] double gravity_potential();
 
   // Overlaps (dem_overlaps.cpp).

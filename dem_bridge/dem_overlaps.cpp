@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
 #include "dem_bridge/dem_infill_impl.h"
@@ -84,8 +85,14 @@ void DemInfill::Impl::take_overlaps() {
 std::vector<Infill::Field> DemInfill::fields() const {
   Impl& my = *impl_;
   my.ask(Request::contacts);
-  const auto coordination = my.array(SharedArrays::coordination);
-  return {{"coordination", "1", std::vector<double>(coordination.begin(), coordination.end())}};
+  const auto of_spheres = my.array(SharedArrays::coordination);
+  std::vector<double> coordination(of_spheres.begin(), of_spheres.end());
+  for (const GrainBody& body : my.bodies.bodies) {  // every sphere tells that of its clump
+    const auto first = coordination.begin() + static_cast<std::ptrdiff_t>(body.first),
+               end = first + static_cast<std::ptrdiff_t>(body.count);
+    std::fill(first, end, std::accumulate(first, end, 0.0));
+  }
+  return {{"coordination", "1", std::move(coordination)}};
 }
 
 }  // namespace tuft::dem

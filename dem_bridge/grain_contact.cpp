@@ -52,19 +52,21 @@ double contact_property(const DemOptions& options, const std::vector<Material>& 
 }
 
 double stable_step_of_grain(double radius, double density, Index material, std::span<const Index> kinds,
-                            const std::vector<Material>& materials, const DemOptions& options) {
+                            const std::vector<Material>& materials, const DemOptions& options,
+                            double mass_ratio) {
   const GrainMaterial& grain = grain_of(materials, material);
   double step = stable_grain_step(radius, density, grain.young_modulus, grain.poisson_ratio);
   if (options.contact == GrainContact::hertz) return step;
   const double mass = sphere_mass(radius, density);
   for (const Index other : kinds) {
-    const double stiffness = hooke_stiffness(young_of_contact(grain, grain_of(materials, other)),
-                                             0.5 * radius, 0.5 * mass, options.characteristic_velocity);
+    const double stiffness =
+        hooke_stiffness(young_of_contact(grain, grain_of(materials, other)), 0.5 * radius,
+                        0.5 * mass_ratio * mass, options.characteristic_velocity);
     const double restitution = contact_property(options, materials, material, other,
                                                 &GrainMaterial::restitution, &GrainPair::restitution);
     const bool plastic = options.contact == GrainContact::hooke_hysteresis;
-    step = std::min(step,
-                    stable_hooke_step(stiffness, mass, restitution, plastic ? options.unloading_ratio : 1));
+    step = std::min(step, stable_hooke_step(stiffness, mass, restitution,
+                                            plastic ? options.unloading_ratio : 1, mass_ratio));
   }
   return step;
 }

@@ -16,9 +16,12 @@ namespace tuft::dem {
 /// Largest stable step, s, of one grain of radius (m) and density (kg/m^3): a fifth of its Rayleigh time
 /// (dem_bridge/hertz.h); with Hooke's contact the smaller of that and of its springs among equals
 /// (dem_bridge/hooke.h), with the stiffest partner of `kinds` (indices of materials, its own among them).
+/// mass_ratio: of the mass that its contacts go by over the one that density gives it; of a clump's sphere,
+/// above 1.
 [[nodiscard]] double stable_step_of_grain(double radius, double density, Index material,
                                           std::span<const Index> kinds,
-                                          const std::vector<Material>& materials, const DemOptions& options);
+                                          const std::vector<Material>& materials, const DemOptions& options,
+                                          double mass_ratio = 1);
 
 /// Stiffness of cohesion over that of Hooke's spring, 2 pi k r*/kn, of two kinds: from 1 on grains collapse
 /// into each other. Largest over sizes, which is where one grain is much smaller than the other.

@@ -39,12 +39,14 @@ inline double hooke_contact_time(double stiffness, double mass, double restituti
 /// up to at most q k (u.n)^2 + k |u_t + r theta x n|^2 each, which for contacts all around (sum n n^T = 4)
 /// gives omega^2 <= (8 q + 16) k/m of motion and 2 (2/3 12 k r^2 / (2/5 m r^2)) = 40 k/m of spin; the larger
 /// counts. Dashpots go by k: the damping ratio of that mode is that of a pair (omega0^2 = 2 k/m) times the
-/// largest omega of springs k, over omega and omega0. Stable: omega dt <= 2 (sqrt(1 + z^2) - z).
-inline double stable_hooke_step(double stiffness, double mass, double restitution, double normal_ratio = 1) {
+/// largest omega of springs k, over omega and omega0. Stable: omega dt <= 2 (sqrt(1 + z^2) - z). Dashpots go
+/// by mass_ratio times the mass (of a clump's spheres, which each count with the whole clump's).
+inline double stable_hooke_step(double stiffness, double mass, double restitution, double normal_ratio = 1,
+                                double mass_ratio = 1) {
   const double of_equal_springs = std::sqrt(40 * stiffness / mass);
   const double omega = std::sqrt(std::max(8 * normal_ratio + 16, 40.0) * stiffness / mass);
-  const double z = hooke_damping_ratio(restitution) * (of_equal_springs / std::sqrt(2 * stiffness / mass)) *
-                   (of_equal_springs / omega);
+  const double z = std::sqrt(mass_ratio) * hooke_damping_ratio(restitution) *
+                   (of_equal_springs / std::sqrt(2 * stiffness / mass)) * (of_equal_springs / omega);
   return 2 * (std::sqrt(1 + z * z) - z) / omega;
 }
 

@@ -50,6 +50,17 @@ std::string per_pair(const char* id, const char* property, std::size_t types,
   return line + "\n";
 }
 
+/// What moves the grains: spheres one by one, clumps as bodies.
+std::string integrators(std::size_t types, const std::vector<bool>& clumped) {
+  if (std::ranges::count(clumped, true) == 0) return "fix integrate all nve/sphere\n";
+  std::string spheres;
+  for (std::size_t t = 0; t < types; ++t)
+    if (!clumped[t]) spheres += fmt::format(" {}", t + 1);
+  std::string text = "fix clumps all multisphere\n";
+  if (!spheres.empty()) text += "group spheres type" + spheres + "\nfix integrate spheres nve/sphere\n";
+  return text;
+}
+
 }  // namespace
 
 std::array<int, 2> rank_grid(int ranks, double length_x, double length_y) {
@@ -71,6 +82,37 @@ std::vector<Index> used_materials(const Grains& grains) {
   used.erase(std::unique(used.begin(), used.end()), used.end());
   return used;
 }
+
+std::vector<bool> clumped_materials(const Grains& grains, const std::vector<Index>& used) {
+  std::vector<bool> clumped(used.size(), false);
+  for (std::size_t i = 0; i < grains.body.size(); ++i)
+    if (grains.body[i] >= 0)
+      clumped[static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), grains.material[i]) -
+                                       used.begin())] = true;
+  return clumped;
+}
+
+namespace {
+
+void check_clumps(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings) {
+  if (grains.body.empty()) return;
+  if (grains.body.size() != grains.size())
+    throw_input_error("DEM infill: {} grains, but {} are said to be in clumps or not", grains.size(),
+                      grains.body.size());
+  const std::vector<Index> used = used_materials(grains);
+  const std::vector<bool> clumped = clumped_materials(grains, used);
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const auto type = std::lower_bound(used.begin(), used.end(), grains.material[i]) - used.begin();
+    if (grains.body[i] < 0 && clumped[static_cast<std::size_t>(type)])
+      throw_input_error("DEM infill: grain {} of {} is a sphere, others are clumps; give it another material",
+                        i, materials[static_cast<std::size_t>(grains.material[i])].name);
+  }
+  if (settings.options.ranks > 1 && std::ranges::count(clumped, true) > 0)
+    throw_input_error("DEM infill: infill.dem.ranks is {}; clumps of grains need one process",
+                      settings.options.ranks);
+}
+
+}  // namespace
 
 void check_grains(const Grains& grains, const std::vector<Material>& materials, const DemSettings& settings) {
   const std::size_t count = grains.size();
@@ -106,6 +148,7 @@ void check_grains(const Grains& grains, const std::vector<Material>& materials, 
           i, x.x(), x.y(), x.z(), settings.box[0].x(), settings.box[0].y(), settings.box[0].z(),
           settings.box[1].x(), settings.box[1].y(), settings.box[1].z());
   }
+  check_clumps(grains, materials, settings);
   if (settings.cohesion) check_cohesion(used_materials(grains), materials, settings.options);
 }
 
@@ -131,7 +174,7 @@ std::vector<std::uint8_t> data_file(const Grains& grains, const std::vector<Inde
 
 std::string set_up_commands(const std::string& source, const std::vector<Index>& used,
                             const std::vector<Material>& materials, const DemSettings& settings,
-                            const GrainSizes& sizes, double step) {
+                            const GrainSizes& sizes, double step, const std::vector<bool>& clumped) {
   const std::size_t types = used.size();
   const auto grain = [&](std::size_t type) -> const GrainMaterial& { return *materials[used[type]].grain; };
   bool soft = false, hard = false;
@@ -200,8 +243,8 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
   }
   text += model + "\npair_coeff * *\n";
   text += fmt::format("timestep {:.17g}\n", step);
+  text += integrators(types, clumped);
   text += fmt::format(
-      "fix integrate all nve/sphere\n"
       "fix coupling all external pf/callback 1 {}\n"
       "thermo_style custom step\n"
       "thermo 1000000000\n"

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "dem_bridge/dem_infill.h"
 #include "dem_bridge/grain_sizes.h"
+#include "dem_bridge/packing_clumps.h"
 #include "dem_bridge/packing_relaxation.h"
 
 namespace tuft::dem {
@@ -144,12 +145,20 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
+bool of_one_clump(const Grains& grains, std::size_t a, std::size_t b) {
+  return !grains.body.empty() && grains.body[a] >= 0 && grains.body[a] == grains.body[b];
+}
+
 /// Grains that are neighbours in space become neighbours in memory: every loop that gathers over contacts,
 /// here, in the host and in the coupler, then finds them in its caches.
 Grains sorted_along_curve(const Grains& grains, const PackingBox& box) {
   const double cell = 1e-3;  // m: only an order, no result depends on it
   std::vector<std::uint64_t> key(grains.size());
   for (std::size_t i = 0; i < grains.size(); ++i) {
+    if (i > 0 && of_one_clump(grains, i - 1, i)) {  // go together, where the first of them is
+      key[i] = key[i - 1];
+      continue;
+    }
     const Vec3 x = grains.position[i] - Vec3(-box.half_size[0], -box.half_size[1], box.floor);
     key[i] = spread_bits(static_cast<std::uint64_t>(x.x() / cell)) |
              spread_bits(static_cast<std::uint64_t>(x.y() / cell)) << 1 |
@@ -165,6 +174,7 @@ Grains sorted_along_curve(const Grains& grains, const PackingBox& box) {
     sorted.density.push_back(grains.density[i]);
     sorted.layer.push_back(grains.layer[i]);
     sorted.material.push_back(grains.material[i]);
+    if (!grains.body.empty()) sorted.body.push_back(grains.body[i]);
   }
   return sorted;
 }
@@ -205,6 +215,9 @@ Grains pack_grains(const PackingRequest& request) {
   push_apart(spheres, box, request.obstacles, sweeps);
   packed.position = std::move(spheres.position);
   packed.radius = std::move(spheres.radius);
+  if (request.clumps)
+    packed = make_clumps(packed, spheres, *request.materials, box, request.obstacles, sweeps,
+                         [&random] { return random(); });
   return sorted_along_curve(packed, box);
 }
 

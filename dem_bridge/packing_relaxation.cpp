@@ -98,6 +98,7 @@ Lists find_spheres(const LooseSpheres& spheres, const PackingBox& box, double sk
       for (int j : in_cell.row(cell)) {
         const auto other = static_cast<std::size_t>(j);
         if (spheres.radius[other] > own || (spheres.radius[other] == own && other >= i)) continue;
+        if (!spheres.group.empty() && spheres.group[other] == spheres.group[i]) continue;
         const double reach = own + spheres.radius[other] + skin;
         if ((x - spheres.position[other]).squaredNorm() >= reach * reach) continue;
         pairs.emplace_back(static_cast<int>(i), j);
@@ -202,8 +203,8 @@ void keep_between_walls(Vec3& x, double radius, const PackingBox& box) {
 
 }  // namespace
 
-void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles,
-                int sweeps) {
+void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles, int sweeps,
+                const std::function<void(Vec3Array&)>& constrain) {
   const std::size_t count = spheres.radius.size();
   if (count == 0) return;
   double mean = 0;
@@ -229,6 +230,7 @@ void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const Th
       x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box.floor + radius);
       next.set(i, x);
     }
+    if (constrain) constrain(next);
     std::swap(spheres.position, next);
   }
 }

@@ -14,7 +14,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 5;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 6;                 ///< raise with every change of this file
 
 /// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
 /// forces when that calls it.
@@ -67,6 +67,27 @@ constexpr std::size_t pair_place(std::size_t a, std::size_t b) {
 }
 inline constexpr std::size_t largest_pairs = largest_kinds * (largest_kinds + 1) / 2;
 
+/// The file of the host's folder that says which grains are rigid bodies, where the commands define a `fix
+/// clumps all multisphere` and read no restart file: a BodyRecord and then a BodySphere for each of its
+/// spheres, one body after the other.
+inline constexpr const char* bodies_file_name = "bodies";
+
+/// A body of the grains from `first` on.
+struct BodyRecord {
+  std::uint64_t first = 0, count = 0;
+  double mass = 0;                              ///< kg
+  double density = 0;                           ///< kg/m^3
+  double reach = 0;                             ///< m, from the centre of mass to the farthest point
+  std::array<double, 3> centre{};               ///< m, of mass
+  std::array<std::array<double, 3>, 3> axes{};  ///< principal axes, right-handed
+  std::array<double, 3> inertia{};              ///< kg m^2 about them
+};
+
+struct BodySphere {
+  std::array<double, 3> place{};  ///< m, of its centre from that of mass, along the body's axes
+  double share = 0;               ///< of the mass, see ClumpBody
+};
+
 /// Fixed part of the shared memory, written by the driver. Plain data; the two ends take turns (request,
 /// answer).
 struct SharedState {
@@ -81,7 +102,7 @@ struct SharedState {
   std::int64_t energy_wanted = 0;               ///< 1: `stored_energy` at the last kick of the window
   std::array<double, 3> gravity{};              ///< m/s^2
   std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
-  std::uint64_t expelled = 0;                   ///< grains that have left so far
+  std::uint64_t expelled = 0;                   ///< grains that have left so far; a clump counts once
 };
 
 /// What one rank tells of its grains: written by that rank alone.
@@ -138,7 +159,7 @@ struct SharedArrays {
     angular_impulse_x,  ///< N m s; own torque, N m
     angular_impulse_y,
     angular_impulse_z,
-    mass,
+    mass,  ///< kg; of a clump's sphere its share of the clump's
     radius,
     coordination,
     loaded,    ///< of block b, grains from load_block b on: 0, no contact impulses, and theirs are not read

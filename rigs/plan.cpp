@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "dem_bridge/clump_shape.h"
 #include "dem_bridge/dem_infill.h"
 #include "dem_bridge/grain_contact.h"
 #include "dem_bridge/grain_sizes.h"
@@ -40,9 +41,22 @@ std::vector<Index> kinds_of_grains(const Scene& scene) {
   return kinds;
 }
 
-GrainEstimate estimate_grains(const Scene& scene) {
+GrainEstimate estimate_grains(const Scene& scene, bool clumps) {
   GrainEstimate estimate;
   const std::vector<Index> kinds = kinds_of_grains(scene);
+  /// Spheres of radius r and a density that gives them the mass that each has to itself.
+  const auto take_steps = [&](Index m, double r, double density, double mass_ratio) {
+    const Material& kind = scene.materials.at(m);
+    estimate.own_step = std::min(
+        estimate.own_step,
+        dem::stable_step_of_grain(r, density, m, kinds, scene.materials, scene.infill.dem, mass_ratio));
+    estimate.rayleigh_step =
+        std::min(estimate.rayleigh_step,
+                 dem::stable_grain_step(r, density, kind.grain->young_modulus, kind.grain->poisson_ratio));
+    const double grain_mass = density * 4.0 / 3 * std::numbers::pi * r * r * r;
+    estimate.contact_step =
+        std::min(estimate.contact_step, 2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
+  };
   for (const Layer& layer : scene.turf.layers) {
     const Material& material = scene.materials.at(layer.material);
     const double mass = material.bulk_density * scene.turf.size[0] * scene.turf.size[1] * layer.depth;
@@ -51,18 +65,20 @@ GrainEstimate estimate_grains(const Scene& scene) {
       const double density = kind.grain->density;
       const dem::GrainSizeDistribution sizes(*kind.grain,
                                              dem::coarse_graining_of(scene.infill.dem, kind.name));
-      estimate.count += mass * share.mass_fraction / (density * std::numbers::pi / 6 * sizes.mean_cube());
+      const double count = mass * share.mass_fraction / (density * std::numbers::pi / 6 * sizes.mean_cube());
       const double r = 0.5 * sizes.smallest();
-      estimate.own_step = std::min(
-          estimate.own_step,
-          dem::stable_step_of_grain(r, density, share.material, kinds, scene.materials, scene.infill.dem));
-      estimate.rayleigh_step =
-          std::min(estimate.rayleigh_step,
-                   dem::stable_grain_step(r, density, kind.grain->young_modulus, kind.grain->poisson_ratio));
-      const double grain_mass = density * 4.0 / 3 * std::numbers::pi * r * r * r;
-      estimate.contact_step = std::min(estimate.contact_step,
-                                       2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
       estimate.largest = std::max(estimate.largest, sizes.largest());
+      if (!clumps || !kind.grain->clump) {
+        estimate.count += count;
+        take_steps(share.material, r, density, 1);
+        continue;
+      }
+      const dem::ClumpBody body = dem::make_clump_body(*kind.grain->clump, kind.name);
+      estimate.count += count * static_cast<double>(body.size());
+      for (std::size_t k = 0; k < body.size(); ++k) {
+        const dem::SphereOfClump sphere = dem::sphere_of_clump(body, k, density);
+        take_steps(share.material, 2 * r * body.radius[k], sphere.density, sphere.mass_ratio);
+      }
     }
   }
   return estimate;
@@ -209,7 +225,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
                           coupler::carpet_options(scene));
   remark_on_mass_scaling(plan, carpet.mass_scaling());
   take_group_steps(plan, carpet, scene.numerics.step_safety);
-  const GrainEstimate grains = estimate_grains(scene);
+  const GrainEstimate grains = estimate_grains(scene, effect_on(plan.effects, "clumps"));
   plan.particles = static_cast<std::uint64_t>(grains.count);
   const Schedule schedule = make_schedule(scene);
   // As Simulation::stable_steps has it.

@@ -147,6 +147,7 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
     grains.write("mass", p.mass);
     grains.write("layer", p.layer);
     grains.write("material", p.material);
+    if (const auto bodies = state.built.dem->clumps(); !bodies.empty()) grains.write("body", bodies);
   }
   h5::Group simulation = root.create_group("simulation");
   state.simulation().save(simulation);
@@ -175,6 +176,7 @@ std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& p
     grains.radius = group.read_doubles("radius");
     grains.layer = group.read_ints("layer");
     grains.material = group.read_ints("material");
+    if (group.has("body")) grains.body = group.read_ints("body");
     for (const Index material : grains.material)
       grains.density.push_back(scene.materials.at(material).grain->density);
     return grains;

@@ -25,6 +25,7 @@
 
 #include "core/vector.h"
 #include "dem_bridge/hooke_hysteresis.h"
+#include "dem_bridge/host/clumps.h"
 #include "dem_bridge/host/liggghts_engine.h"
 
 namespace tuft::dem {
@@ -38,6 +39,8 @@ inline void store3(double* p, const Vec3& v) {
   p[2] = v.z();
 }
 
+struct KickSums;
+
 /// All grains here are those of this rank: `nlocal` of them, ghosts of other ranks' behind.
 struct LiggghtsEngine::Impl {
   SharedMemory& memory;
@@ -50,6 +53,7 @@ struct LiggghtsEngine::Impl {
   double callback_seconds = 0;         // of the window under way
   std::string trouble;                 // found in a callback, thrown when LIGGGHTS has returned
   std::map<std::size_t, Vec3> parked;  // grains that have left, and where: they are elsewhere in LIGGGHTS
+  std::unique_ptr<Clumps> clumps;      // from set_up on
   std::vector<int> place;              // of a grain in LIGGGHTS' arrays, by its index; -1: another rank's
 
   Impl(SharedMemory& shared_memory, int rank);
@@ -87,6 +91,14 @@ struct LiggghtsEngine::Impl {
   void find_parked();
   void hold_expelled();
   void park(int atom);
+  [[nodiscard]] Vec3 parking_place(const Vec3& left) const;
+
+  // Grains that are clumps (clump_motion.cpp).
+  void kick_clumps(bool in_run, KickSums& sums);
+  void expel_clumps();
+  void hold_expelled_clumps();
+  void take_clump_velocities();
+  void change_clump_step(double change);
 
   // Contacts (stored_energy.cpp).
   template <class Visit>

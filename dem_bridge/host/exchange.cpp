@@ -125,8 +125,9 @@ void LiggghtsEngine::Impl::publish_state() {
   const Components x = components(SharedArrays::position_x);
   const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
   const auto expelled = memory.array(SharedArrays::expelled);
+  expel_clumps();
   for (std::size_t i = 0; i < place.size(); ++i)
-    if (place[i] >= 0 && expelled[i] == 0 &&
+    if (place[i] >= 0 && expelled[i] == 0 && clumps->of_atom(place[i]) < 0 &&
         ((x[i].array() < low.array()).any() || (x[i].array() >= high.array()).any()))
       expel(place[i]);
 }
@@ -154,6 +155,7 @@ void LiggghtsEngine::Impl::take_velocities() {
     store3(lammps->atom->v[a], v[index(a)]);
     store3(lammps->atom->omega[a], w[index(a)]);
   }
+  take_clump_velocities();
 }
 
 void LiggghtsEngine::Impl::publish_own_forces() {

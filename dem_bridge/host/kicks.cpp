@@ -4,15 +4,10 @@
 
 #include "dem_bridge/host/engine_impl.h"
 #include "dem_bridge/host/kick.h"
+#include "dem_bridge/host/kick_sums.h"
 
 namespace tuft::dem {
 namespace {
-
-/// Of the grains of one kick.
-struct KickSums {
-  std::array<double, 3> received{}, scale{};  // N s
-  double kinetic = 0, pair_work = 0, contact_work = 0, damping_work = 0;
-};
 
 /// A kick of LIGGGHTS' grains, of a step that is under way (`in_run`) or between two runs.
 struct Kick {
@@ -172,19 +167,25 @@ void kick_in_order(const Kick& kick, std::size_t count, const double* loaded, Ki
 
 }  // namespace
 
-/// Out of reach of all others, and a point nearly, for those that may be parked there too.
-void LiggghtsEngine::Impl::park(int a) {
-  auto* const atom = lammps->atom;
+/// Out of reach of all others.
+Vec3 LiggghtsEngine::Impl::parking_place(const Vec3& left) const {
   const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
-  Vec3 place_to_be = load3(atom->x[a]);
-  parked[index(a)] = place_to_be;
+  Vec3 place_to_be = left;
   for (Eigen::Index c = 0; c < 3; ++c) {
-    if (place_to_be[c] < low[c])
+    if (left[c] < low[c])
       place_to_be[c] = low[c] - parking_distance;
-    else if (place_to_be[c] >= high[c])
+    else if (left[c] >= high[c])
       place_to_be[c] = high[c] + parking_distance;
   }
-  store3(atom->x[a], place_to_be);
+  return place_to_be;
+}
+
+/// A point nearly, for those that may be parked there too.
+void LiggghtsEngine::Impl::park(int a) {
+  auto* const atom = lammps->atom;
+  const Vec3 left = load3(atom->x[a]);
+  parked[index(a)] = left;
+  store3(atom->x[a], parking_place(left));
   atom->radius[a] *= 1e-6;
 }
 
@@ -202,6 +203,7 @@ void LiggghtsEngine::Impl::find_parked() {
 void LiggghtsEngine::Impl::hold_expelled() {
   auto* const atom = lammps->atom;
   const auto expelled = memory.array(SharedArrays::expelled);
+  hold_expelled_clumps();
   for (int a = 0; a < local_count(); ++a) {
     const std::size_t i = index(a);
     if (expelled[i] == 0) continue;
@@ -227,13 +229,15 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
                     1.0 / (static_cast<double>(shared.substeps) * shared.step), shared.damping,
                     load3(shared.gravity.data()), in_run};
     const auto loaded = memory.array(SharedArrays::loaded), expelled = memory.array(SharedArrays::expelled);
-    if (!some_expelled && in_our_order()) {
+    if (!clumps->empty()) kick_clumps(in_run, sums);
+    if (!some_expelled && clumps->empty() && in_our_order()) {
       in_run ? kick_in_order<true>(kick, count, loaded.data(), sums)
              : kick_in_order<false>(kick, count, loaded.data(), sums);
     } else {
       for (std::size_t a = 0; a < count; ++a) {
         const std::size_t i = index(static_cast<int>(a));
         if (some_expelled && expelled[i] != 0) continue;
+        if (clumps->of_atom(static_cast<int>(a)) >= 0) continue;
         kick_one(kick, a, i, loaded[i / load_block] != 0, sums);
       }
     }

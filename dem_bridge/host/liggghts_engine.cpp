@@ -32,10 +32,12 @@ void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int 
     std::fill_n(external[0], 3 * static_cast<std::size_t>(count), 0.0);  // rows follow each other
   if (!engine.stepping) return;
   const auto start = Clock::now();
-  if (++engine.substep < engine.shared.substeps)
+  if (++engine.substep < engine.shared.substeps) {
     engine.kick(true);
-  else
+  } else {
+    engine.clumps->clear_forces();  // of the kick before; LIGGGHTS sums their own after this
     engine.publish_state();
+  }
   engine.callback_seconds += seconds_since(start);
 }
 
@@ -46,7 +48,9 @@ void LiggghtsEngine::Impl::set_step(double step) {
   if (started) {
     auto* const atom = lammps->atom;
     const double change = 0.5 * (step - update->dt);
+    change_clump_step(change);
     for (int a = 0; a < atom->nlocal; ++a) {
+      if (clumps->of_atom(a) >= 0) continue;
       const double mass = atom->rmass[a], inertia = 0.4 * mass * atom->radius[a] * atom->radius[a];
       store3(atom->v[a], load3(atom->v[a]) + change / mass * load3(atom->f[a]));
       store3(atom->omega[a], load3(atom->omega[a]) + change / inertia * load3(atom->torque[a]));
@@ -57,12 +61,14 @@ void LiggghtsEngine::Impl::set_step(double step) {
   update->integrate->reset_dt();
   lammps->force->pair->reset_dt();
   for (int i = 0; i < lammps->modify->nfix; ++i) lammps->modify->fix[i]->reset_dt();
+  clumps->take_step();
 }
 
 /// First pair forces, from positions and velocities alone, and the half kick they make.
 void LiggghtsEngine::Impl::start() {
   take_velocities();
   command("run 0 post no");
+  clumps->clear_forces();  // the set-up has summed them once already
   lammps->modify->final_integrate();
   started = true;
 }
@@ -79,11 +85,12 @@ void LiggghtsEngine::set_up(const std::string& commands) {
   auto* coupling = dynamic_cast<LAMMPS_NS::FixExternal*>(my.lammps->modify->find_fix_id("coupling"));
   if (coupling == nullptr) throw std::runtime_error("the commands define no `fix coupling all external`");
   coupling->set_callback(&Impl::callback, &my);
+  my.clumps = std::make_unique<Clumps>(*my.lammps);
   my.command("run 0 post no");
   my.report.grains = static_cast<std::uint64_t>(my.local_count());
   const auto mass = my.memory.array(SharedArrays::mass), radius = my.memory.array(SharedArrays::radius);
   for (int a = 0; a < my.local_count(); ++a) {
-    mass[my.index(a)] = my.lammps->atom->rmass[a];
+    mass[my.index(a)] = my.clumps->share(a) * my.lammps->atom->rmass[a];
     radius[my.index(a)] = my.lammps->atom->radius[a];
   }
 }

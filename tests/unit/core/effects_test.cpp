@@ -110,6 +110,17 @@ TEST(Effects, CohesionIsOnWhereGrainsOfTheLayersOrAPairOfThemHaveIt) {
   }
 }
 
+TEST(Effects, ClumpsAreOnWhereGrainsOfTheLayersAreClumps) {
+  const Overrides none{{"infill.approach", "dem"}};
+  EXPECT_FALSE(decide("clumps", none).on);
+  Overrides pair = none;
+  pair.emplace_back("materials.sbr.grain.clump", R"({ shape = "pair" })");
+  EXPECT_TRUE(decide("clumps", pair).on);
+  EXPECT_THAT(decide("clumps", pair).why, HasSubstr("grains of sbr are clumps"));
+  pair.emplace_back("effects.clumps", "false");
+  EXPECT_FALSE(decide("clumps", pair).on);
+}
+
 TEST(Effects, FrictionRateNeedsALawThatChangesWithSpeed) {
   Overrides overrides;
   EXPECT_THAT(decide("friction_rate", overrides).why,

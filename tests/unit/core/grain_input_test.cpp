@@ -111,6 +111,72 @@ TEST(SceneMistakes, GrainSizesThatAreNoneAreNamed) {
               HasSubstr("diameter_min: \"0 mm\": missing"));
 }
 
+TEST(SceneReader, ClumpsAreReadAndWrittenBack) {
+  const std::string text = good + R"([materials.sand.grain]
+clump = { shape = "spheres", spheres = [{ radius = 2 }, { x = 1.5, z = -0.5, radius = 1 }] }
+[materials.sbr.grain.clump]
+shape = "pair"
+overlap = 0.25
+)";
+  const Scene read = read_scene_text(text, "a.toml"), again = read_scene_text(write_scene(read), "again");
+  for (const Scene& scene : {read, again}) {
+    const auto clump_of = [&](const char* name) {
+      return *std::ranges::find(scene.materials, name, &Material::name)->grain->clump;
+    };
+    const Clump sand = clump_of("sand"), sbr = clump_of("sbr");
+    EXPECT_EQ(sand.shape, ClumpShape::spheres);
+    ASSERT_EQ(sand.spheres.size(), 2u);
+    EXPECT_EQ(sand.spheres[0].x, 0);
+    EXPECT_EQ(sand.spheres[1].x, 1.5);
+    EXPECT_EQ(sand.spheres[1].z, -0.5);
+    EXPECT_EQ(sand.spheres[1].radius, 1);
+    EXPECT_EQ(sbr.shape, ClumpShape::pair);
+    EXPECT_EQ(sbr.overlap, 0.25);
+  }
+  EXPECT_FALSE(read_scene_text(good, "a.toml").materials[0].grain->clump);
+}
+
+TEST(SceneMistakes, ClumpsThatAreNoBodiesAreNamed) {
+  const auto clump = [](const std::string& table) {
+    return complaint(good + "[materials.sand.grain]\nclump = { " + table + " }\n");
+  };
+  EXPECT_THAT(
+      clump("shape = \"cube\""),
+      AllOf(StartsWith("a.toml:25: materials.sand.grain.clump.shape: \"cube\""), HasSubstr("tetrahedron")));
+  EXPECT_THAT(clump("overlap = 1"), AllOf(HasSubstr("clump.overlap: 1"), HasSubstr("below 1")));
+  EXPECT_THAT(clump("shape = \"spheres\""), AllOf(StartsWith("a.toml:25"), HasSubstr("missing; shape")));
+  EXPECT_THAT(clump("shape = \"pair\", spheres = [{ radius = 1 }]"), HasSubstr("is for shape = \"spheres\""));
+  const std::string spheres = "shape = \"spheres\", spheres = ";
+  EXPECT_THAT(clump(spheres + "[{ x = 1 }]"), HasSubstr("radius"));
+  EXPECT_THAT(clump(spheres + "[{ radius = 0 }]"), AllOf(HasSubstr("radius: 0"), HasSubstr("above 0")));
+  EXPECT_THAT(clump(spheres + "[{ radius = 1 }, { x = 3, radius = 1 }]"),
+              AllOf(HasSubstr("spheres.1"), HasSubstr("a clump is one piece")));
+  EXPECT_THAT(clump(spheres + "[{ radius = 1 }, { x = 0.2, radius = 0.5 }]"),
+              AllOf(HasSubstr("spheres.1"), HasSubstr("lies within sphere 0")));
+  EXPECT_THAT(clump(spheres + "[{ radius = 1 }, { x = 1, radius = 1 }], overlap = 0.2"),
+              HasSubstr("listed spheres lie as they are"));
+  std::string many = "[";
+  for (int i = 0; i < 33; ++i) many += "{ x = " + std::to_string(i) + ", radius = 1 }, ";
+  EXPECT_THAT(clump(spheres + many + "]"), HasSubstr("holds 33 spheres; a clump has at most 32"));
+}
+
+TEST(SceneMistakes, WhatClumpsCannotBeCombinedWithIsNamed) {
+  const std::string clumps = good + "[materials.sand.grain.clump]\nshape = \"pair\"\n";
+  const Overrides dem{{"infill.approach", "dem"}};
+  EXPECT_NO_THROW((void)read_scene_text(clumps, "a.toml", dem));
+  EXPECT_THAT(
+      complaint(clumps + "[infill.dem]\nranks = 2\n", dem),
+      AllOf(StartsWith("a.toml:27: infill.dem.ranks: 2"), HasSubstr("clumps of grains need one process")));
+  EXPECT_THAT(
+      complaint(clumps + "[output.micro]\ncontacts = true\n", dem),
+      AllOf(StartsWith("a.toml:27: output.micro.contacts: true"), HasSubstr("effects.clumps = false")));
+  EXPECT_THAT(complaint(clumps + "[output.micro]\nfields = true\n", dem), HasSubstr("output.micro.fields"));
+  const Overrides off{{"infill.approach", "dem"}, {"effects.clumps", "false"}};
+  EXPECT_NO_THROW((void)read_scene_text(clumps + "[infill.dem]\nranks = 2\n", "a.toml", off));
+  EXPECT_THAT(complaint(good, {{"infill.approach", "dem"}, {"effects.clumps", "true"}}),
+              HasSubstr("no grain material has a clump"));
+}
+
 TEST(SceneMistakes, ContactsOfGrainsThatMakeNoSenseAreNamed) {
   const auto pairs = [](const std::string& list) {
     return complaint(good + "[infill.dem]\npairs = [" + list + "]\n");

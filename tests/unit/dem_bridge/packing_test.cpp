@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/geometry.h"
+#include "dem_bridge/clump_bodies.h"
 #include "dem_bridge/dem_infill.h"
 
 namespace tuft::dem {
@@ -292,6 +293,96 @@ TEST_F(Packing, SaysWhatIsMissing) {
   EXPECT_NE(message().find("rubber grain of mixture has no [grain] block"), std::string::npos) << message();
   materials_[3].grain_shares.clear();
   EXPECT_NE(message().find("mixture has no grains"), std::string::npos) << message();
+}
+
+/// Sand of clumps among spheres of rubber.
+class PackingOfClumps : public Packing {
+ protected:
+  PackingOfClumps() {
+    materials_[0].grain->clump = Clump{ClumpShape::tetrahedron, 0.5};
+    request_.clumps = true;
+  }
+};
+
+TEST_F(PackingOfClumps, HasTheMassesNumbersAndVolumesOfTheSpheresInWhosePlaceTheyAre) {
+  const Grains clumps = pack_grains(request_);
+  request_.clumps = false;
+  const Grains spheres = pack_grains(request_);
+  const GrainBodies found = find_bodies(clumps, materials_);
+  std::vector<double> of_spheres, of_clumps;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (spheres.material[i] == 0) of_spheres.push_back(2 * spheres.radius[i]);
+  for (const GrainBody& body : found.bodies) of_clumps.push_back(body.diameter);
+  std::sort(of_spheres.begin(), of_spheres.end());
+  std::sort(of_clumps.begin(), of_clumps.end());
+  ASSERT_EQ(of_clumps.size(), of_spheres.size());
+  ASSERT_GT(of_clumps.size(), 100u);
+  for (std::size_t k = 0; k < of_clumps.size(); ++k) EXPECT_NEAR(of_clumps[k], of_spheres[k], 1e-12);
+  EXPECT_EQ(clumps.size(), spheres.size() + 3 * of_clumps.size());
+}
+
+/// Without the effect a material's clump changes no bit.
+TEST_F(PackingOfClumps, SwitchedOffIsThatOfMaterialsWithoutThem) {
+  request_.clumps = false;
+  const Grains off = pack_grains(request_);
+  materials_[0].grain->clump.reset();
+  const Grains never = pack_grains(request_);
+  EXPECT_TRUE(off.body.empty());
+  EXPECT_EQ(off.position.x, never.position.x);
+  EXPECT_EQ(off.position.z, never.position.z);
+  EXPECT_EQ(off.radius, never.radius);
+}
+
+TEST_F(PackingOfClumps, StaysWithinWallsAndFloorOverlapsLittleAndIsTheSameForTheSameSeed) {
+  const std::vector<ThinQuad> quads = fibres();
+  request_.obstacles = quads;
+  for (const bool round : {false, true}) {
+    request_.round = round;
+    if (round) request_.size = {0.03, 0.03};
+    const Grains grains = pack_grains(request_), again = pack_grains(request_);
+    EXPECT_EQ(grains.position.x, again.position.x);
+    EXPECT_EQ(grains.body, again.body);
+    double overlap = 0;
+    int pairs = 0;
+    for (std::size_t i = 0; i < grains.size(); ++i) {
+      const Vec3 x = grains.position[i];
+      const double r = grains.radius[i];
+      EXPECT_GE(x.z() - r, request_.floor - 1e-9);
+      if (round) {
+        EXPECT_LE(x.head<2>().norm() + r, 0.5 * request_.size[0] + 1e-5);
+      } else {
+        EXPECT_LE(std::abs(x.x()) + r, 0.5 * request_.size[0] + 1e-9);
+        EXPECT_LE(std::abs(x.y()) + r, 0.5 * request_.size[1] + 1e-9);
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        if (grains.body[i] >= 0 && grains.body[i] == grains.body[j]) continue;
+        const double depth = r + grains.radius[j] - (x - grains.position[j]).norm();
+        if (depth <= 0) continue;
+        overlap += depth / std::min(r, grains.radius[j]);
+        ++pairs;
+      }
+    }
+    ASSERT_GT(pairs, 100);
+    EXPECT_LT(overlap / pairs, 0.1);
+  }
+}
+
+/// No direction is preferred: of all axes the mean of products is a third.
+TEST_F(PackingOfClumps, IsTurnedAtRandom) {
+  const GrainBodies found = find_bodies(pack_grains(request_), materials_);
+  Mat3 mean = Mat3::Zero();
+  for (const GrainBody& body : found.bodies)
+    mean += body.axes.col(0) * body.axes.col(0).transpose() / static_cast<double>(found.bodies.size());
+  EXPECT_LT((mean - Mat3::Identity() / 3).norm(), 2 / std::sqrt(static_cast<double>(found.bodies.size())));
+}
+
+TEST_F(PackingOfClumps, IsScaledByCoarseGraining) {
+  options_.material_coarse_graining["sand grain"] = 3;
+  const GrainBodies found = find_bodies(pack_grains(request_), materials_);
+  for (const GrainBody& body : found.bodies) {
+    EXPECT_GE(body.diameter, 3 * 0.0002 * (1 - 1e-9));
+    EXPECT_LE(body.diameter, 3 * 0.0012 * (1 + 1e-9));
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The angle of repose of grains that resist rolling.
+/// The angle of repose of grains that resist rolling, or are no spheres.
 ///
 /// A bed between smooth plates three to four grains apart, on a floor of ribs as wide as the grains, for
 /// bodies do not resist rolling; one side is opened, grains run over the edge, and the slope of what stays is
@@ -15,6 +15,7 @@
 #include <numbers>
 
 #include "tests/verification/coupler/loose_grains.h"
+#include "tests/verification/dem_bridge/clump_scene.h"
 
 namespace tuft::coupler {
 namespace {
@@ -27,8 +28,21 @@ constexpr double edge = 0.5 * columns * wide, deep = 3 * wide;  ///< m
 constexpr double ground = -0.11;  ///< m, axes of the ribs; grains leave the simulation not far below
 constexpr double at_rest = 2e-3;  ///< m/s; one that has rolled down another has a hundred times that
 
+/// Clumps of the spheres' volumes in their place, turned at random.
+void make_clumps(GrainCase& setup, const Clump& clump, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  setup.materials[0].grain->clump = clump;
+  const dem::Grains spheres = std::move(setup.grains);
+  setup.grains = {};
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+    dem::test::add_clump(setup.grains, setup.materials[0], spheres.position[i], 2 * spheres.radius[i],
+                         Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix());
+  }
+}
+
 /// Grains in a box whose body 0 is the side to be opened, at x = edge.
-GrainCase bed_of_grains(double rolling_friction, std::uint64_t seed) {
+GrainCase bed_of_grains(double rolling_friction, std::uint64_t seed, const Clump* clump) {
   GrainCase setup;
   setup.materials = {dem::test::grain_material(5e5, 0.3, density, 0.3, friction)};
   setup.materials[0].grain->rolling_friction = rolling_friction;
@@ -49,11 +63,14 @@ GrainCase bed_of_grains(double rolling_friction, std::uint64_t seed) {
     body.friction = FrictionLaw{friction, friction, 0};
     setup.bodies.push_back(body);
   }
-  add_loose(setup, largest, density, {16, 2}, 1200, 2.2 * largest, ground + largest, seed,
-            [](double, double) { return true; });
+  // Clumps reach farther than the spheres of their volume.
+  const double reach = clump != nullptr ? 1.3 * largest : largest;
+  add_loose(setup, reach, density, {clump != nullptr ? 12 : 16, 2}, clump != nullptr ? 900 : 1200,
+            2.2 * reach, ground + reach, seed, [](double, double) { return true; });
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> size(smallest, largest);
   for (double& radius : setup.grains.radius) radius = size(random);
+  if (clump != nullptr) make_clumps(setup, *clump, random);
   return setup;
 }
 
@@ -86,8 +103,8 @@ double angle_of(const Slope& slope) {
   return -std::atan(moment / spread) * 180 / std::numbers::pi;
 }
 
-double angle_of_repose(double rolling_friction, std::uint64_t seed) {
-  Simulation s = make(bed_of_grains(rolling_friction, seed));
+double angle_of_repose(double rolling_friction, std::uint64_t seed, const Clump* clump = nullptr) {
+  Simulation s = make(bed_of_grains(rolling_friction, seed, clump));
   settle(s, 20, 0.2);
   // What drags bears nothing at rest: it spares slides their swing.
   s.set_damping(0, 10);
@@ -99,8 +116,9 @@ double angle_of_repose(double rolling_friction, std::uint64_t seed) {
     slope = slope_of(s.infill().particles());
   }
   const double angle = angle_of(slope);
-  std::printf("rolling friction %.2f, seed %d: %.1f degrees, at rest after %.2f s\n", rolling_friction,
-              static_cast<int>(seed), angle, s.time());
+  std::printf("%s, rolling friction %.2f, seed %d: %.1f degrees, at rest after %.2f s\n",
+              clump != nullptr ? "clumps" : "spheres", rolling_friction, static_cast<int>(seed), angle,
+              s.time());
   std::fflush(stdout);
   EXPECT_LT(slope.fastest, at_rest) << rolling_friction;
   return angle;
@@ -113,6 +131,13 @@ TEST(AngleOfRepose, RisesWithRollingFrictionByMoreThanItScatters) {
     EXPECT_GT(std::min(one, other), steepest) << rolling_friction;
     steepest = std::max(one, other);
   }
+}
+
+TEST(AngleOfRepose, OfClumpsThatRollFreelyIsAboveThatOfSpheresThatDo) {
+  const Clump clump{ClumpShape::tetrahedron, 0.4};
+  const double spheres = std::max(angle_of_repose(0, 7), angle_of_repose(0, 8));
+  const double clumps = std::min(angle_of_repose(0, 7, &clump), angle_of_repose(0, 8, &clump));
+  EXPECT_GT(clumps, spheres + 2);
 }
 
 }  // namespace
