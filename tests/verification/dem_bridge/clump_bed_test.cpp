@@ -296,7 +296,7 @@ TEST(ExpelledClump, LeavesAsAWholeAndIsCountedOnce) {
 TEST(ExpelledClump, MayBeLargerThanTheRoomInWhichItIsKept) {
   Grains grains;
   const std::vector<Material> materials{clumped({ClumpShape::pair, 0.1})};
-  add_clump(grains, materials[0], Vec3(0.009, 0, 0), 0.006, turn_about(Vec3(0, 1, 0), 0.8));
+  add_clump(grains, materials[0], Vec3(0.008, 0, 0), 0.008, turn_about(Vec3(0, 1, 0), 1.5));
   DemInfill infill(grains, materials, settings_in_box(0.012));
   infill.set_velocity(0, Vec3(5, 0, 0), Vec3(0, 0, 0));
   for (int k = 0; k < 1000; ++k) infill.advance(2e-6, 1, no_impulses(2));
