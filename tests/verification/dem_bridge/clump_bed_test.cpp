@@ -296,10 +296,10 @@ TEST(ExpelledClump, LeavesAsAWholeAndIsCountedOnce) {
 TEST(ExpelledClump, MayBeLargerThanTheRoomInWhichItIsKept) {
   Grains grains;
   const std::vector<Material> materials{clumped({ClumpShape::pair, 0.1})};
-  add_clump(grains, materials[0], Vec3(0.0098, 0, 0), 0.006, turn_about(Vec3(0, 1, 0), 0.8));
-  DemInfill infill(grains, materials, settings_in_box(0.01));
+  add_clump(grains, materials[0], Vec3(0.008, 0, 0), 0.008, turn_about(Vec3(0, 1, 0), 1.5));
+  DemInfill infill(grains, materials, settings_in_box(0.012));
   infill.set_velocity(0, Vec3(5, 0, 0), Vec3(0, 0, 0));
-  for (int k = 0; k < 500; ++k) infill.advance(2e-6, 1, no_impulses(2));
+  for (int k = 0; k < 1000; ++k) infill.advance(2e-6, 1, no_impulses(2));
   EXPECT_EQ(infill.expelled().particles, 1u);
 }
 
