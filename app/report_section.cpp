@@ -84,9 +84,11 @@ std::string report_sections(const Runs& runs) {
     if (text.empty()) text += material_key(*runs[i].scene, frame, has_fibres(runs[i]));
     text += drawn;
     if (const auto any = runs[i].section(runs[i].frame_times.back()))
-      note += fmt::format(" {}: {} mm of particles, {} mm of backing and roots of fibres.",
-                          escape_html(runs[i].label), format_significant(1e3 * any->particle_slice, 2),
-                          format_significant(1e3 * any->facet_slice, 2));
+      note += fmt::format(" {}: {} mm of particles{}.", escape_html(runs[i].label),
+                          format_significant(1e3 * any->particle_slice, 2),
+                          any->facet_slice > 0 ? fmt::format(", {} mm of backing and roots of fibres",
+                                                             format_significant(1e3 * any->facet_slice, 2))
+                                               : "");
   }
   if (text.empty())
     text = "<p class=\"missing\">No frame was recorded.</p>\n";

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/build_simulation.h"
+
 namespace tuft::app {
 namespace {
 
@@ -68,8 +70,8 @@ std::string missile_outline(const Missile& missile, const SectionFrame& frame) {
 }
 
 std::string tray(const SectionFrame& frame) {
-  return fmt::format("<path class=\"tray\" d=\"M{0:.2f} {2:.2f}V0H{1:.2f}V{2:.2f}\"/>\n", mm(frame.wall_left),
-                     mm(frame.wall_right), -mm(frame.wall_top));
+  return fmt::format("<path class=\"tray\" d=\"M{0:.2f} {2:.2f}V{3:.2f}H{1:.2f}V{2:.2f}\"/>\n",
+                     mm(frame.wall_left), mm(frame.wall_right), -mm(frame.wall_top), -mm(frame.floor));
 }
 
 /// Under the floor, where nothing moves.
@@ -100,6 +102,7 @@ SectionFrame make_section_frame(const Scene& scene) {
   frame.wall_left = -half;
   frame.wall_right = half;
   frame.wall_top = scene.turf.tray_depth;
+  frame.floor = coupler::floor_height(scene, decide_effects(scene));
   frame.strand_thickness = scene.turf.carpet.strand_thickness;
   frame.backing_thickness = scene.turf.carpet.backing_thickness;
   // Colours by material, in the order of the layers from the bottom, then what only mixtures hold: sand,

@@ -9,8 +9,8 @@ namespace tuft::app {
 
 /// What all panels of a page have in common, m.
 struct SectionFrame {
-  double left = 0, right = 0, bottom = 0, top = 0;     ///< shown
-  double wall_left = 0, wall_right = 0, wall_top = 0;  ///< tray, inner faces; the floor is z = 0
+  double left = 0, right = 0, bottom = 0, top = 0;                ///< shown
+  double wall_left = 0, wall_right = 0, wall_top = 0, floor = 0;  ///< tray, inner faces
   double strand_thickness = 0, backing_thickness = 0;
   std::map<Index, std::string> material_style;  ///< material -> CSS class
 };

@@ -40,7 +40,7 @@ void check_conditioning(const Scene& scene, const Places& places) {
     places.fail(
         "conditioning.presses",
         "is of a plate (method = \"compaction\"); a roller has conditioning.roller.passes: leave it out");
-  if (conditioning.presses == 1 && places.has("conditioning.tolerance"))
+  if (conditioning.presses == 1 && conditioning.tolerance != Conditioning{}.tolerance)
     places.fail(
         "conditioning.tolerance",
         "says when pressing may end, but the plate comes once; give conditioning.presses above 1, or leave "

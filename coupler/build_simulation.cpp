@@ -176,6 +176,10 @@ double dem_contact_stiffness(const Material& material, double radius) {
   return grain.young_modulus / (1 - grain.poisson_ratio * grain.poisson_ratio) * radius;
 }
 
+double floor_height(const Scene& scene, const std::vector<EffectDecision>& effects) {
+  return effect_on(effects, "backing") ? 0 : scene.turf.carpet.backing_thickness;
+}
+
 std::vector<RigidBody> tray(std::array<double, 2> size, double floor) {
   const auto wall = [](std::string name, const Vec3& position, const Vec3& normal) {
     RigidBody body;
@@ -255,9 +259,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
   parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
                                               carpet_options(scene));
-  // The infill stands where it would on the backing.
-  const bool with_backing = effect_on(request.effects, "backing");
-  parts.bodies = tray(scene.turf.size, with_backing ? 0 : scene.turf.carpet.backing_thickness);
+  parts.bodies = tray(scene.turf.size, floor_height(scene, request.effects));
   built.first_rig_body = parts.bodies.size();
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
 

@@ -104,6 +104,9 @@ struct PointContact {
 /// of grains half of the mean one (the smallest of a wide mixture would make the list short-lived).
 [[nodiscard]] double search_skin(Approach approach, std::span<const double> radius);
 
+/// m: 0, or the height of the backing's upper face where there is no backing and infill stands on the floor.
+[[nodiscard]] double floor_height(const Scene& scene, const std::vector<EffectDecision>& effects);
+
 /// Five fixed half-spaces: floor at z = `floor` (m) and four walls around a patch centred on the origin.
 [[nodiscard]] std::vector<RigidBody> tray(std::array<double, 2> size, double floor = 0);
 

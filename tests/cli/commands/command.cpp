@@ -114,8 +114,8 @@ std::vector<std::string> tiny_scene() {
   std::vector<std::string> words{"inputs/clegg_small.toml"};
   for (const char* setting :
        {"scene.duration=1 ms", "infill.sph.pitch=8 mm", "infill.sph.smoothing_length=10.4 mm",
-        "effects.fibres=false", "numerics.settle_time=0.4 ms", "output.checkpoint_every=0.4 ms",
-        "output.frames=0.2 ms"})
+        "effects.fibres=false", "effects.backing=true", "numerics.settle_time=0.4 ms",
+        "output.checkpoint_every=0.4 ms", "output.frames=0.2 ms"})
     words.insert(words.end(), {"--set", setting});
   return words;
 }
