@@ -65,7 +65,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   const Index i = key_point(keys_[pair]);
   const RigidBody& body = bodies[key_other(keys_[pair])];
   const ContactParameters parameters{spring_of(i, body), settings_.damping_ratio[i], tangential_ratio,
-                                     body.friction.value_or(settings_.friction[i])};
+                                     friction_of(i, body)};
   const SurfacePoint surface = surface_point(body, points.position(i), ahead);
   const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
   const double overlap = radius - surface.distance;

@@ -17,6 +17,8 @@ struct BodyContactSettings {
   std::vector<FrictionLaw> friction;  ///< per point, against bodies that have none of their own
   /// Per point, at bodies that are upright walls; empty: `spring`.
   std::vector<NormalSpring> wall_spring{};
+  /// Per point, against bodies whose surface is the carpet's; empty: `friction`.
+  std::vector<FrictionLaw> carpet_friction{};
 };
 
 /// Impulses on bodies and their tally, one entry a body.
@@ -96,6 +98,12 @@ class BodyContact {
     const auto i = static_cast<std::size_t>(point);
     return settings_.wall_spring.empty() || !body.is_upright_wall() ? settings_.spring[i]
                                                                     : settings_.wall_spring[i];
+  }
+  [[nodiscard]] const FrictionLaw& friction_of(Index point, const RigidBody& body) const {
+    const auto i = static_cast<std::size_t>(point);
+    if (body.friction) return *body.friction;
+    return body.is_carpet && !settings_.carpet_friction.empty() ? settings_.carpet_friction[i]
+                                                                : settings_.friction[i];
   }
   /// Of a point with kicks of its own and a body that cannot move.
   Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,

@@ -260,6 +260,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
                                               carpet_options(scene));
   parts.bodies = tray(scene.turf.size, floor_height(scene, request.effects));
+  parts.bodies.front().is_carpet = !effect_on(request.effects, "backing");
   built.first_rig_body = parts.bodies.size();
   parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
 
@@ -279,7 +280,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.particle_shell.friction = contact.fibre_friction;
   parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
                          contact.damping_ratio, contact.body_friction,
-                         wall_springs(scene, request.effects, particles)};
+                         wall_springs(scene, request.effects, particles), contact.fibre_friction};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)

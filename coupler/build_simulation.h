@@ -104,7 +104,8 @@ struct PointContact {
 /// of grains half of the mean one (the smallest of a wide mixture would make the list short-lived).
 [[nodiscard]] double search_skin(Approach approach, std::span<const double> radius);
 
-/// m: 0, or the height of the backing's upper face where there is no backing and infill stands on the floor.
+/// m: 0, or the height of the backing's upper face where there is no backing: then infill stands on the
+/// floor, which has the friction that the backing would have.
 [[nodiscard]] double floor_height(const Scene& scene, const std::vector<EffectDecision>& effects);
 
 /// Five fixed half-spaces: floor at z = `floor` (m) and four walls around a patch centred on the origin.

@@ -70,6 +70,7 @@ struct RigidBody {
   Vec3 drive{0, 0, 0};                  ///< m/s
   Vec3 load{0, 0, 0};                   ///< N, on a body of finite mass, along its freedom
   double guide_damping = 0;             ///< N s/m, of its guides, >= 0
+  bool is_carpet = false;  ///< its surface is the carpet's: points' own friction is that on fibres
 
   /// Nothing that contact does moves it.
   [[nodiscard]] bool is_fixed() const { return !(mass < std::numeric_limits<double>::infinity()); }

@@ -63,6 +63,29 @@ TEST(PointWithAHalfHeight, PressesWallsAndFloorByTheSpringsOfEach) {
   EXPECT_EQ(contact.initial_overlap().largest, 0) << "nothing is let go";
 }
 
+TEST(PointThatSlides, HasItsFrictionOnFibresOnAFloorThatStandsForTheCarpetAndItsOwnOnWalls) {
+  constexpr double stiffness = 1e4, pressed = 1e-4, of_body = 0.3, of_fibres = 0.6;
+  const double size = 1e-3, mass = 1e-3, none = 0, x = 0.05 - size + pressed, z = size - pressed, speed = 1;
+  ParticleView view;
+  view.x = std::span(&x, 1), view.z = std::span(&z, 1);
+  view.y = view.vx = view.vz = std::span(&none, 1);
+  view.vy = std::span(&speed, 1);
+  view.radius = std::span(&size, 1), view.mass = std::span(&mass, 1);
+  const FrictionLaw on_bodies{of_body, of_body, 0}, on_fibres{of_fibres, of_fibres, 0};
+  for (const bool is_carpet : {false, true}) {
+    BodyContact contact({{{stiffness}}, {0}, {on_bodies}, {}, {on_fibres}});
+    std::vector<RigidBody> bodies = tray({0.1, 0.1});
+    bodies.front().is_carpet = is_carpet;
+    contact.search(view, bodies, 1e-3, false);
+    Vec3Array force;
+    force.assign(1, 0);
+    BodyImpulses impulses{std::vector<Vec3>(bodies.size(), Vec3(0, 0, 0))};
+    contact.evaluate(view, bodies, 0, 1e-2, 0, 0, 1, force, nullptr, impulses);
+    const double normal = stiffness * pressed;  // on the floor and on the wall at x
+    EXPECT_NEAR(force[0].y(), -normal * ((is_carpet ? of_fibres : of_body) + of_body), 1e-12) << is_carpet;
+  }
+}
+
 TEST(PointWithAHalfHeight, TouchesFloorAndWallsAtItsHalfAxesAndSlopesBetweenThem) {
   const double at{0}, sideways{2e-3}, upwards{3e-3};
   ParticleView view;

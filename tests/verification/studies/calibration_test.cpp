@@ -41,7 +41,8 @@ TEST(Calibration, RecoversTheParametersThatMadeItsNumbers) {
         targets, pure + "[optimiser]\nalgorithm = \"" + algorithm + "\"\nmax_evaluations = 1500\n");
     const CalibrationResult result = soil.fit(problem, algorithm + ".csv");
     EXPECT_EQ(result.status, "completed");
-    EXPECT_LT(result.fitted.misfit, 1e-6) << algorithm;
+    // Where cobyla ends depends on rounding: 1.3e-6 has been seen on a processor without AVX-512.
+    EXPECT_LT(result.fitted.misfit, 1e-5) << algorithm;
     expect_truth(result, 1e-4);
     ASSERT_TRUE(result.identifiability);
     EXPECT_TRUE(result.identifiability->determined);
