@@ -3,6 +3,8 @@
 #include <functional>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "core/effect_names.h"
 #include "core/scene.h"
 
@@ -21,6 +23,7 @@ struct EffectRule {
   Need (*needed)(const Scene&);
   /// What a scene must have for the effect to be switched on by hand, where that is less than `needed`.
   Need (*usable)(const Scene&) = nullptr;
+  std::string_view borne{};  ///< effect of a filled turf that cannot be on without this one
 };
 
 /// The infill materials that can touch something: a layer's own in SPH, its grains' in DEM.
@@ -248,7 +251,7 @@ Need usable_shear_energy(const Scene& scene) {
 
 constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"fibres", std::nullopt, need_fibres},
-    {"backing", std::nullopt, need_backing, usable_backing},
+    {"backing", std::nullopt, need_backing, usable_backing, "fibres"},
     {"friction_rate", std::nullopt, need_friction_rate},
     {"artificial_viscosity", Approach::sph, need_artificial_viscosity},
     {"zero_energy_control", Approach::sph, need_zero_energy_control},
@@ -320,11 +323,15 @@ std::optional<EffectDecision> idle_effect(const Scene& scene) {
           std::string(rule.name), false,
           "switched on, but has nothing to act on: " + need.why + "; change that, or leave this \"auto\""};
   }
-  const bool turf = !scene.rig.is_specimen() && !scene.rig.is_component();
-  if (turf && is_switched_off(scene, "backing") && !is_switched_off(scene, "fibres"))
-    return EffectDecision{
-        "backing", true,
-        "switched off, but the strands stand in it; switch effects.fibres off too, or leave this \"auto\""};
+  if (scene.rig.is_specimen() || scene.rig.is_component()) return std::nullopt;
+  for (const EffectRule& rule : rules)
+    if (!rule.borne.empty() && choice_of(rule, scene) == Switch::off &&
+        !is_switched_off(scene, std::string(rule.borne)))
+      return EffectDecision{
+          std::string(rule.name), true,
+          fmt::format("switched off, but effects.{} stands on it; switch that off too, or leave this "
+                      "\"auto\"",
+                      rule.borne)};
   return std::nullopt;
 }
 

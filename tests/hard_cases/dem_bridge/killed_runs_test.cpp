@@ -6,8 +6,7 @@
 #include "core/error.h"
 #include "dem_bridge/scratch_folder.h"
 #include "tests/hard_cases/dem_bridge/traces.h"
-#include "tests/verification/dem_bridge/bridge_scene.h"
-#include "tests/verification/same_energy.h"
+#include "tests/verification/dem_bridge/same_run.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -20,24 +19,11 @@ class KilledRun : public Traces {
     const double window = 0.5 * infill.stable_step();
     for (int k = 0; k < windows; ++k) infill.advance(window, 1, block_.confine(infill, window));
   }
-  void save(DemInfill& infill) const {
-    auto file = h5::File::create_atomically(checkpoint());
-    h5::Group group = file.root();
-    infill.save(group);
-    file.commit();
-  }
+  void save(DemInfill& infill) const { save_run(infill, checkpoint()); }
   std::unique_ptr<DemInfill> fresh() const {
     return std::make_unique<DemInfill>(block_.grains, block_.materials, settings_);
   }
   [[nodiscard]] fs::path checkpoint() const { return folder() / "checkpoint.h5"; }
-  static void expect_same_bits(const DemInfill& a, const DemInfill& b) {
-    const ParticleView one = a.particles(), two = b.particles();
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      ASSERT_EQ(one.position(i), two.position(i)) << "position of grain " << i;
-      ASSERT_EQ(one.velocity(i), two.velocity(i)) << "velocity of grain " << i;
-    }
-    tuft::test::expect_same_energy(a.energy(), b.energy());
-  }
 
   /// A process of its own makes a run, saves, goes on, and `end` makes its end; what it left is then gone on
   /// with.

@@ -12,8 +12,7 @@
 #include "dem_bridge/host_process.h"
 #include "dem_bridge/scratch_folder.h"
 #include "tests/hard_cases/dem_bridge/traces.h"
-#include "tests/verification/dem_bridge/bridge_scene.h"
-#include "tests/verification/same_energy.h"
+#include "tests/verification/dem_bridge/same_run.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -95,15 +94,6 @@ class Network : public Traces {
   void advance(DemInfill& infill, int windows) const {
     const double window = 2 * 0.5 * infill.stable_step();
     for (int k = 0; k < windows; ++k) infill.advance(window, 2, block_.confine(infill, window));
-  }
-  static void expect_same_bits(const DemInfill& a, const DemInfill& b) {
-    const ParticleView one = a.particles(), two = b.particles();
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      ASSERT_EQ(one.position(i), two.position(i)) << "position of grain " << i;
-      ASSERT_EQ(one.velocity(i), two.velocity(i)) << "velocity of grain " << i;
-      ASSERT_EQ(one.spin(i), two.spin(i)) << "spin of grain " << i;
-    }
-    tuft::test::expect_same_energy(a.energy(), b.energy());
   }
 
   ShakenBlock block_{5};

@@ -67,7 +67,7 @@ TEST(Effects, TheBackingIsThereForTheStrandsThatStandInIt) {
     ADD_FAILURE() << "strands without a backing were accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("effects.backing"));
-    EXPECT_THAT(error.what(), HasSubstr("switch effects.fibres off too"));
+    EXPECT_THAT(error.what(), HasSubstr("effects.fibres stands on it; switch that off too"));
   }
 }
 

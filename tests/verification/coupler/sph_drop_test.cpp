@@ -3,6 +3,7 @@
 
 #include "coarse_scene.h"
 #include "core/hdf5_file.h"
+#include "coupler/build_simulation.h"
 
 namespace tuft::rigs {
 namespace {
@@ -88,6 +89,15 @@ TEST(SphDrop, InfillAloneStandsOnARigidFloorWhereItWouldOnItsBackingAndIsNearlyA
   overrides.push_back({"effects.backing", "true"});
   const RunSummary on_sheet = drop("on-sheet", overrides);
   EXPECT_EQ(on_floor.shells, 0u);
+  // The floor has the backing's height and, of the infill's frictions, that on the carpet.
+  const Scene scene = coarse_scene({{"effects.fibres", "false"}});
+  coupler::BuildRequest request;
+  request.scene = &scene;
+  request.effects = decide_effects(scene);
+  const coupler::BuiltSimulation built = coupler::build_simulation(request);
+  const coupler::RigidBody& floor = built.simulation->bodies().front();
+  EXPECT_EQ(floor.position.z(), scene.turf.carpet.backing_thickness);
+  EXPECT_TRUE(floor.is_carpet);
   EXPECT_GT(on_sheet.shells, 0u);
   EXPECT_LT(on_floor.energy_error, 0.005);
   EXPECT_LT(on_floor.momentum_error, 1e-9);

@@ -8,7 +8,8 @@
 
 #include "core/error.h"
 #include "tests/verification/dem_bridge/clump_scene.h"
-#include "tests/verification/same_energy.h"
+#include "tests/verification/dem_bridge/same_run.h"
+#include "tests/verification/dem_bridge/squeezed_block.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -154,23 +155,8 @@ TEST_P(ClumpLedger, OfAShakenBlockUnderGravityWallsAndDampingBalances) {
 
 /// The step of each sphere's share bears the body's contacts, and twice as long a one does not.
 double created_energy(const Clump& clump, double steps_of_stability) {
-  ClumpBlock block(clump, 4, false);
-  DemSettings settings = settings_in_box(0.05);
-  DemInfill infill(block.grains, block.materials, settings);
-  const double window = steps_of_stability * infill.stable_step(), width = block.half_width, period = 2e-3;
-  double start = 0, created = 0;
-  for (int k = 0; k * window < period; ++k) {
-    block.half_width = width * (1 - 0.1 * (1 - std::cos(2 * 3.141592653589793 * k * window / period)));
-    try {
-      infill.advance(window, 1, block.confine(infill, window));
-    } catch (const RunError&) {
-      break;
-    }
-    if (k == 0) start = total_energy(infill.energy());
-    if (k % 5 == 4) created = std::max(created, total_energy(infill.energy()) - start);
-  }
-  EXPECT_GT(infill.energy().dissipated, 1e-4) << "hardly squeezed";
-  return created / infill.energy().dissipated;
+  return created_by_squeezing(ClumpBlock(clump, 4, false), settings_in_box(0.05), steps_of_stability, 0.1,
+                              2e-3);
 }
 
 TEST(StableStepOfClumps, OfASqueezedBlockShowsAStepBeyondStability) {
@@ -189,22 +175,7 @@ class ClumpContinuation : public ::testing::Test {
     const double window = 2 * share * infill.stable_step();
     for (int k = 0; k < windows; ++k) infill.advance(window, 2, block_.confine(infill, window));
   }
-  void save(DemInfill& infill) const {
-    auto file = h5::File::create_atomically(file_);
-    h5::Group group = file.root();
-    infill.save(group);
-    file.commit();
-  }
-  static void expect_same_bits(const DemInfill& a, const DemInfill& b) {
-    const ParticleView one = a.particles(), two = b.particles();
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      ASSERT_EQ(one.position(i), two.position(i)) << "position of sphere " << i;
-      ASSERT_EQ(one.velocity(i), two.velocity(i)) << "velocity of sphere " << i;
-      ASSERT_EQ(one.spin(i), two.spin(i)) << "spin of sphere " << i;
-      ASSERT_EQ(one.mass[i], two.mass[i]) << "mass of sphere " << i;
-    }
-    tuft::test::expect_same_energy(a.energy(), b.energy());
-  }
+  void save(DemInfill& infill) const { save_run(infill, file_); }
 
   ClumpBlock block_{{ClumpShape::tetrahedron, 0.5}, 4, true};
   DemSettings settings_ = settings_of_bed();

@@ -7,8 +7,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "tests/verification/dem_bridge/bridge_scene.h"
-#include "tests/verification/same_energy.h"
+#include "tests/verification/dem_bridge/same_run.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -24,22 +23,7 @@ class Continuation : public ::testing::Test {
     const double window = 2 * 0.5 * infill.stable_step();
     for (int k = 0; k < windows; ++k) infill.advance(window, 2, block_.confine(infill, window));
   }
-  void save(DemInfill& infill) const {
-    auto file = h5::File::create_atomically(file_);
-    h5::Group group = file.root();
-    infill.save(group);
-    file.commit();
-  }
-  static void expect_same_bits(const DemInfill& a, const DemInfill& b) {
-    const ParticleView one = a.particles(), two = b.particles();
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      ASSERT_EQ(one.position(i), two.position(i)) << "position of grain " << i;
-      ASSERT_EQ(one.velocity(i), two.velocity(i)) << "velocity of grain " << i;
-      ASSERT_EQ(one.spin(i), two.spin(i)) << "spin of grain " << i;
-    }
-    tuft::test::expect_same_energy(a.energy(), b.energy());
-    EXPECT_EQ(a.particle_steps(), b.particle_steps());
-  }
+  void save(DemInfill& infill) const { save_run(infill, file_); }
 
   ShakenBlock block_{6};
   DemSettings settings_ = settings_in_box(0.05, Vec3(0, 0, -9.81));

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "tests/verification/dem_bridge/bridge_scene.h"
+#include "tests/verification/dem_bridge/squeezed_block.h"
 
 namespace tuft::dem::test {
 namespace {
@@ -99,27 +99,10 @@ TEST(InfillEnergy, ShakenBlockUnderGravityWallsAndDampingBalances) {
   EXPECT_GT(infill.energy().damping, 0.05 * scale);
 }
 
-/// Grains in a box that squeezes them by a sixth and lets go; the largest excess of energy in sum, relative
-/// to what was dissipated.
 double created_energy(double steps_of_stability) {
-  ShakenBlock block(6);
   DemSettings settings = settings_in_box(0.05);
   settings.rolling_resistance = true;
-  DemInfill infill(block.grains, block.materials, settings);
-  const double window = steps_of_stability * infill.stable_step(), width = block.half_width, period = 1.5e-3;
-  double start = 0, created = 0;
-  for (int k = 0; k * window < period; ++k) {
-    block.half_width = width * (1 - 0.075 * (1 - std::cos(2 * 3.141592653589793 * k * window / period)));
-    try {
-      infill.advance(window, 1, block.confine(infill, window));
-    } catch (const RunError&) {
-      break;  // a grain was shot out; the balance has shown it before
-    }
-    if (k == 0) start = total(infill.energy());
-    if (k % 5 == 4) created = std::max(created, total(infill.energy()) - start);
-  }
-  EXPECT_GT(infill.energy().dissipated, 1e-4) << "hardly squeezed";
-  return created / infill.energy().dissipated;
+  return created_by_squeezing(ShakenBlock(6), settings, steps_of_stability);
 }
 
 TEST(InfillEnergy, BalanceOfASqueezedBlockShowsAStepBeyondStability) {
