@@ -42,8 +42,8 @@ void DemInfill::save(h5::Group& group) {
   my.write_vectors(group, "position", SharedArrays::position_x);
   my.write_vectors(group, "velocity", SharedArrays::velocity_x);
   my.write_vectors(group, "spin", SharedArrays::spin_x);
-  my.write_vectors(group, "own_force", SharedArrays::impulse_x);
-  my.write_vectors(group, "own_torque", SharedArrays::angular_impulse_x);
+  my.write_vectors(group, "own_force", SharedArrays::own_force_x);
+  my.write_vectors(group, "own_torque", SharedArrays::own_torque_x);
   group.write("works",
               std::vector<double>{sums.pair_work, sums.contact_work, sums.damping_work, sums.last_pair_work,
                                   sums.last_contact_work, sums.last_damping_work, sums.kinetic, sums.stored,
@@ -91,8 +91,8 @@ void DemInfill::load(const h5::Group& group) {
   my.read_vectors(group, "position", SharedArrays::position_x);
   my.read_vectors(group, "velocity", SharedArrays::velocity_x);
   my.read_vectors(group, "spin", SharedArrays::spin_x);
-  my.read_vectors(group, "own_force", SharedArrays::impulse_x);
-  my.read_vectors(group, "own_torque", SharedArrays::angular_impulse_x);
+  my.read_vectors(group, "own_force", SharedArrays::own_force_x);
+  my.read_vectors(group, "own_torque", SharedArrays::own_torque_x);
   my.shared().step = group.read_double("step");
   my.sums = {works[0], works[1], works[2], works[3], works[4], works[5], works[6], works[7]};
   my.stored_is_current = works[8] != 0;

@@ -76,9 +76,9 @@ void DemInfill::Impl::start_fresh() {
   initial_stored = sums.stored;
 }
 
-/// Copies the impulses into the shared memory and refuses what is not finite: LIGGGHTS would carry it on in
-/// silence. Blocks in which nothing is touched are left as they are: the host does not read them.
-void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
+/// Writes what touches grains into the shared memory and refuses what is not finite: LIGGGHTS would carry it
+/// on in silence. Few grains are touched, and what one process writes and another reads costs the most.
+void DemInfill::Impl::write_loads(const ContactImpulses& contact) {
   const std::size_t count = grains.size();
   const std::array<const std::vector<double>*, 6> components{&contact.linear.x,  &contact.linear.y,
                                                              &contact.linear.z,  &contact.angular.x,
@@ -90,10 +90,11 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
   const double *const x = contact.linear.x.data(), *const y = contact.linear.y.data(),
                       *const z = contact.linear.z.data(), *const ax = contact.angular.x.data(),
                       *const ay = contact.angular.y.data(), *const az = contact.angular.z.data();
-  const std::span<double> loaded = array(SharedArrays::loaded);
+  constexpr std::size_t together = 32;  // grains that are looked at at once
+  LoadRecord* record = memory().load_room().data();
   double poison = 0;  // 0, or not a number for what is not finite
-  for (std::size_t first = 0; first < count; first += load_block) {
-    const std::size_t end = std::min(count, first + load_block);
+  for (std::size_t first = 0; first < count; first += together) {
+    const std::size_t end = std::min(count, first + together);
     double some = 0;  // above 0 where there is a load
 #pragma omp simd reduction(+ : some, poison)
     for (std::size_t i = first; i < end; ++i) {
@@ -102,12 +103,12 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
       some += linear + angular;
       poison += (linear - linear) + (angular - angular);
     }
-    loaded[first / load_block] = some != 0 ? 1 : 0;
     if (some == 0) continue;
-    for (std::size_t c = 0; c < components.size(); ++c)
-      std::copy_n(components[c]->data() + first, end - first,
-                  array(SharedArrays::impulse_x + c).data() + first);
+    for (std::size_t i = first; i < end; ++i)
+      if (x[i] != 0 || y[i] != 0 || z[i] != 0 || ax[i] != 0 || ay[i] != 0 || az[i] != 0)
+        *record++ = {i, {x[i], y[i], z[i]}, {ax[i], ay[i], az[i]}};
   }
+  shared().loads = static_cast<std::uint64_t>(record - memory().load_room().data());
   if (poison == 0) return;
   for (std::size_t c = 0; c < components.size(); ++c)
     for (std::size_t i = 0; i < count; ++i)
@@ -117,8 +118,11 @@ void DemInfill::Impl::send_impulses(const ContactImpulses& contact) {
 }
 
 /// A grain that moves on by more than its radius in a step can pass through what it should meet, unseen by
-/// LIGGGHTS.
+/// LIGGGHTS. The host has counted them.
 void DemInfill::Impl::check_speeds(double step) {
+  std::uint64_t fast = 0;
+  for (std::size_t r = 0; r < memory().ranks(); ++r) fast += memory().rank(r).fast;
+  if (fast == 0) return;
   const auto vx = array(SharedArrays::velocity_x), vy = array(SharedArrays::velocity_y),
              vz = array(SharedArrays::velocity_z);
   const double* const radius = grains.radius.data();
@@ -126,10 +130,6 @@ void DemInfill::Impl::check_speeds(double step) {
     const double square = vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i], most = radius[i] / step;
     return square > most * most;
   };
-  int fast = 0;
-#pragma omp simd reduction(+ : fast)
-  for (std::size_t i = 0; i < grains.size(); ++i) fast += too_fast(i);
-  if (fast == 0) return;
   for (std::size_t i = 0; i < grains.size(); ++i) {
     if (!too_fast(i)) continue;
     const double speed = std::sqrt(vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i]);
@@ -244,7 +244,7 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
     throw_run_error("DEM infill at t = {:.9g} s: a window of {} s in {} substeps cannot be made", my.time,
                     window, substeps);
   const auto begin = Clock::now();
-  my.send_impulses(contact);
+  my.write_loads(contact);
   SharedState& shared = my.shared();
   shared.step = window / substeps;
   shared.substeps = substeps;

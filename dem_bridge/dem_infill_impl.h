@@ -78,7 +78,7 @@ struct DemInfill::Impl {
   void new_host();
   void set_up(const std::string& source_command);
   void start_fresh();
-  void send_impulses(const ContactImpulses& contact);
+  void write_loads(const ContactImpulses& contact);
   void check_speeds(double step);
   /// Adds what the ranks report of a window to the sums, rank by rank.
   [[nodiscard]] const GrainBody* body_of(std::size_t grain) const;

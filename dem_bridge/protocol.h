@@ -14,7 +14,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 6;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 7;                 ///< raise with every change of this file
 
 /// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
 /// forces when that calls it.
@@ -34,7 +34,7 @@ enum class Request : char {
   energy = 'e',    ///< fills `stored_energy`, nearly: springs' elongations are those of one step later
   contacts = 'o',  ///< fills the coordination numbers; answered with OverlapRecords as bytes
   network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
-  save = 's',      ///< text: name of the restart file to write; own forces and torques in place of impulses
+  save = 's',      ///< text: name of the restart file to write; fills own forces and torques
   resume = 'r',    ///< after commands that read a restart file: forces, torques, velocities from the memory
   quit = 'q',      ///< answered, then the host ends
 };
@@ -88,6 +88,13 @@ struct BodySphere {
   double share = 0;               ///< of the mass, see ClumpBody
 };
 
+/// What contact gives one grain over a window. Sorted by grain; one that nothing touches has no record.
+struct LoadRecord {
+  std::uint64_t grain = 0;
+  std::array<double, 3> impulse{};  ///< N s
+  std::array<double, 3> angular{};  ///< N m s about its centre
+};
+
 /// Fixed part of the shared memory, written by the driver. Plain data; the two ends take turns (request,
 /// answer).
 struct SharedState {
@@ -103,6 +110,7 @@ struct SharedState {
   std::array<double, 3> gravity{};              ///< m/s^2
   std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
   std::uint64_t expelled = 0;                   ///< grains that have left so far; a clump counts once
+  std::uint64_t loads = 0;                      ///< LoadRecords of the window
 };
 
 /// What one rank tells of its grains: written by that rank alone.
@@ -125,6 +133,7 @@ struct RankState {
   std::array<double, 3> expelled_momentum{};
   double expelled_energy = 0;
 
+  std::uint64_t fast = 0;    ///< grains that move on by more than their radius in a step, at the window's end
   std::uint64_t grains = 0;  ///< that the rank owns
   double stored_energy =
       0;  ///< J, elastic, in grain-grain contacts; on request, or as of a window's last kick
@@ -137,11 +146,8 @@ struct RankState {
   std::array<char, 8192> words{};
 };
 
-/// Grains that SharedArrays::loaded tells of together.
-inline constexpr std::size_t load_block = 32;
-
-/// What lies behind SharedState: a RankState a rank, and arrays, each `grains` long, by grain index
-/// (LIGGGHTS tag - 1).
+/// What lies behind SharedState: a RankState a rank, arrays, each `grains` long, by grain index
+/// (LIGGGHTS tag - 1), and room for a LoadRecord a grain.
 struct SharedArrays {
   enum Name : std::size_t {
     position_x,
@@ -153,16 +159,15 @@ struct SharedArrays {
     spin_x,
     spin_y,
     spin_z,
-    impulse_x,  ///< N s, contact impulse of the window on the grain; save and resume: own force, N
-    impulse_y,
-    impulse_z,
-    angular_impulse_x,  ///< N m s; own torque, N m
-    angular_impulse_y,
-    angular_impulse_z,
+    own_force_x,  ///< N, of the other grains; for save and resume alone
+    own_force_y,
+    own_force_z,
+    own_torque_x,  ///< N m
+    own_torque_y,
+    own_torque_z,
     mass,  ///< kg; of a clump's sphere its share of the clump's
     radius,
     coordination,
-    loaded,    ///< of block b, grains from load_block b on: 0, no contact impulses, and theirs are not read
     expelled,  ///< 1: has left the box (written by the host; by the driver before a resume), else 0
     count
   };
@@ -180,8 +185,11 @@ struct SharedArrays {
   static constexpr std::size_t array_offset(std::size_t grains, std::size_t ranks, std::size_t name) {
     return rank_offset(ranks) + name * padded(grains) * sizeof(double);
   }
-  static constexpr std::size_t total_bytes(std::size_t grains, std::size_t ranks) {
+  static constexpr std::size_t loads_offset(std::size_t grains, std::size_t ranks) {
     return array_offset(grains, ranks, Name::count);
+  }
+  static constexpr std::size_t total_bytes(std::size_t grains, std::size_t ranks) {
+    return loads_offset(grains, ranks) + aligned(grains * sizeof(LoadRecord));
   }
 };
 

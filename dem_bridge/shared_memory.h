@@ -2,6 +2,7 @@
 /// One POSIX shared memory object with SharedState and SharedArrays in it.
 #include <cstddef>
 #include <span>
+#include <stdexcept>
 #include <string>
 
 #include "dem_bridge/protocol.h"
@@ -26,6 +27,14 @@ class SharedMemory {
   [[nodiscard]] SharedState& state() const { return *static_cast<SharedState*>(memory_); }
   [[nodiscard]] std::span<double> array(std::size_t name) const {
     return {at<double>(SharedArrays::array_offset(grains_, ranks(), name)), grains_};
+  }
+  /// Room for one a grain, and those of the window. Throws std::runtime_error where there are more.
+  [[nodiscard]] std::span<LoadRecord> load_room() const {
+    return {at<LoadRecord>(SharedArrays::loads_offset(grains_, ranks())), grains_};
+  }
+  [[nodiscard]] std::span<LoadRecord> loads() const {
+    if (state().loads > grains_) throw std::runtime_error("there are more loads than grains");
+    return load_room().first(state().loads);
   }
   [[nodiscard]] std::size_t ranks() const { return state().ranks; }
   [[nodiscard]] RankState& rank(std::size_t r) const { return *at<RankState>(SharedArrays::rank_offset(r)); }

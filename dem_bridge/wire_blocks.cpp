@@ -10,6 +10,7 @@ namespace {
 std::span<std::byte> bytes_of(const SharedMemory& memory, Block block) {
   if (block == state_block) return std::as_writable_bytes(std::span(&memory.state(), 1));
   if (block == rank_block) return std::as_writable_bytes(std::span(&memory.rank(0), 1));
+  if (block == loads_block) return std::as_writable_bytes(memory.loads());
   if (block >= first_array_block && block < array_block(SharedArrays::count))
     return std::as_writable_bytes(memory.array(block - first_array_block));
   throw std::runtime_error("a message holds an unknown part of the memory");
@@ -28,14 +29,13 @@ std::vector<Block> blocks_to_host(Request request, bool first_window) {
     case Request::commands:
       return {state_block};
     case Request::advance:
-      blocks = {state_block, array_block(SharedArrays::loaded)};
-      add_arrays(blocks, SharedArrays::impulse_x, 6);
+      blocks = {state_block, loads_block};
       if (first_window) add_arrays(blocks, SharedArrays::velocity_x, 6);
       return blocks;
     case Request::resume:
       blocks = {state_block, array_block(SharedArrays::expelled)};
       add_arrays(blocks, SharedArrays::position_x, 9);
-      add_arrays(blocks, SharedArrays::impulse_x, 6);
+      add_arrays(blocks, SharedArrays::own_force_x, 6);
       return blocks;
     case Request::census:
       return {array_block(SharedArrays::coordination)};
@@ -64,7 +64,7 @@ std::vector<Block> blocks_to_driver(Request request, bool some_expelled) {
       blocks.push_back(array_block(SharedArrays::coordination));
       break;
     case Request::save:
-      add_arrays(blocks, SharedArrays::impulse_x, 6);
+      add_arrays(blocks, SharedArrays::own_force_x, 6);
       break;
     case Request::hello:
     case Request::energy:

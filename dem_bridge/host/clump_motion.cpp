@@ -3,6 +3,7 @@
 
 #include "dem_bridge/host/engine_impl.h"
 #include "dem_bridge/host/kick_sums.h"
+#include "dem_bridge/host/load_cursor.h"
 
 namespace tuft::dem {
 
@@ -16,9 +17,8 @@ void LiggghtsEngine::Impl::kick_clumps(bool in_run, KickSums& sums) {
   const auto* const atom = lammps->atom;
   const double half = 0.5 * shared.step,
                per_second = 1.0 / (static_cast<double>(shared.substeps) * shared.step);
-  const auto loaded = memory.array(SharedArrays::loaded), expelled = memory.array(SharedArrays::expelled);
-  const Components impulse = components(SharedArrays::impulse_x),
-                   turn = components(SharedArrays::angular_impulse_x);
+  const auto expelled = memory.array(SharedArrays::expelled);
+  LoadCursor cursor(memory.loads());
   BodyLoad load{Vec3(0, 0, 0), Vec3(0, 0, 0), load3(shared.gravity.data()), shared.damping, shared.step};
   for (const Clumps::Body& body : clumps->bodies()) {
     const auto first = static_cast<std::size_t>(body.first),
@@ -31,11 +31,11 @@ void LiggghtsEngine::Impl::kick_clumps(bool in_run, KickSums& sums) {
     }
     load.contact_force = load.contact_torque = Vec3(0, 0, 0);
     const Vec3 centre = clumps->centre(body);
-    for (std::size_t i = first; i < end; ++i) {
-      if (loaded[i / load_block] == 0) continue;
-      const Vec3 force = per_second * impulse[i];
+    for (const LoadRecord& one : cursor.of(first, end)) {
+      const Vec3 force = per_second * load3(one.impulse.data());
       load.contact_force += force;
-      load.contact_torque += per_second * turn[i] + (load3(atom->x[i]) - centre).cross(force);
+      load.contact_torque +=
+          per_second * load3(one.angular.data()) + (load3(atom->x[one.grain]) - centre).cross(force);
       sums.receive(shared.step * force);
     }
     const BodyKick kick = kick_body(state, load);

@@ -23,6 +23,11 @@ void split_rows(const double* rows, std::size_t count, double* x, double* y, dou
   poison += sum;
 }
 
+/// By more than its radius in a step.
+bool moves_past_itself(double vx, double vy, double vz, double radius, double step) {
+  return (vx * vx + vy * vy + vz * vz) * step * step > radius * radius;
+}
+
 }  // namespace
 
 /// LIGGGHTS is told not to sort its grains, and packings number them so that neighbours in space have nearly
@@ -38,25 +43,37 @@ bool LiggghtsEngine::Impl::in_our_order() const {
   return strangers == 0;
 }
 
-/// True when all values are finite; `all_inside` as found.
+/// True when all values are finite; `all_inside` as found. Grains are checked while the cache holds them.
 bool LiggghtsEngine::Impl::copy_in_order(bool& all_inside) {
   auto* const atom = lammps->atom;
   const std::size_t count = memory.grains();
   if (count == 0) return true;
+  constexpr std::size_t together = 256;
   const Components x = components(SharedArrays::position_x), v = components(SharedArrays::velocity_x),
                    w = components(SharedArrays::spin_x);
   double poison = 0;
-  // Rows follow each other: no need to look up where a row begins.
-  split_rows(atom->x[0], count, x.x, x.y, x.z, poison);
-  split_rows(atom->v[0], count, v.x, v.y, v.z, poison);
-  split_rows(atom->omega[0], count, w.x, w.y, w.z, poison);
   const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
-  int outside = 0;
-#pragma omp simd reduction(+ : outside)
-  for (std::size_t i = 0; i < count; ++i)
-    outside += !((x.x[i] >= low.x()) & (x.x[i] < high.x()) & (x.y[i] >= low.y()) & (x.y[i] < high.y()) &
-                 (x.z[i] >= low.z()) & (x.z[i] < high.z()));
+  const double* const radius = atom->radius;
+  const double step = shared.step;
+  int outside = 0, fast = 0;
+  for (std::size_t first = 0; first < count; first += together) {
+    const std::size_t end = std::min(count, first + together);
+    // Rows follow each other: no need to look up where a row begins.
+    const auto split = [&](const double* rows, const Components& to) {
+      split_rows(rows + 3 * first, end - first, to.x + first, to.y + first, to.z + first, poison);
+    };
+    split(atom->x[0], x);
+    split(atom->v[0], v);
+    split(atom->omega[0], w);
+#pragma omp simd reduction(+ : outside, fast)
+    for (std::size_t i = first; i < end; ++i) {
+      outside += !((x.x[i] >= low.x()) & (x.x[i] < high.x()) & (x.y[i] >= low.y()) & (x.y[i] < high.y()) &
+                   (x.z[i] >= low.z()) & (x.z[i] < high.z()));
+      fast += moves_past_itself(v.x[i], v.y[i], v.z[i], radius[i], step);
+    }
+  }
   all_inside = outside == 0;
+  report.fast = static_cast<std::uint64_t>(fast);
   return poison == 0;
 }
 
@@ -70,6 +87,8 @@ bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
   const double *const positions = atom->nlocal > 0 ? atom->x[0] : nullptr,
                       *const velocities = atom->nlocal > 0 ? atom->v[0] : nullptr,
                       *const spins = atom->nlocal > 0 ? atom->omega[0] : nullptr;
+  const double* const radius = atom->radius;
+  std::uint64_t fast = 0;
   constexpr std::size_t ahead = 16;  // grains that are fetched before it is their turn
   double poison = 0;
   all_inside = true;
@@ -87,12 +106,14 @@ bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
     x.x[i] = position[0], x.y[i] = position[1], x.z[i] = position[2];
     v.x[i] = velocity[0], v.y[i] = velocity[1], v.z[i] = velocity[2];
     w.x[i] = spin[0], w.y[i] = spin[1], w.z[i] = spin[2];
+    fast += moves_past_itself(velocity[0], velocity[1], velocity[2], radius[place[i]], shared.step);
     for (int c = 0; c < 3; ++c) {
       // 0, or not a number for what is not finite.
       poison += (position[c] - position[c]) + (velocity[c] - velocity[c]) + (spin[c] - spin[c]);
       all_inside &= (position[c] >= low[c]) & (position[c] < high[c]);
     }
   }
+  report.fast = fast;
   return poison == 0;
 }
 
@@ -159,8 +180,8 @@ void LiggghtsEngine::Impl::take_velocities() {
 }
 
 void LiggghtsEngine::Impl::publish_own_forces() {
-  const Components force = components(SharedArrays::impulse_x),
-                   torque = components(SharedArrays::angular_impulse_x);
+  const Components force = components(SharedArrays::own_force_x),
+                   torque = components(SharedArrays::own_torque_x);
   for (int a = 0; a < local_count(); ++a) {
     force.set(index(a), load3(lammps->atom->f[a]));
     torque.set(index(a), load3(lammps->atom->torque[a]));
@@ -168,8 +189,8 @@ void LiggghtsEngine::Impl::publish_own_forces() {
 }
 
 void LiggghtsEngine::Impl::restore_own_forces() {
-  const Components force = components(SharedArrays::impulse_x),
-                   torque = components(SharedArrays::angular_impulse_x);
+  const Components force = components(SharedArrays::own_force_x),
+                   torque = components(SharedArrays::own_torque_x);
   for (int a = 0; a < local_count(); ++a) {
     store3(lammps->atom->f[a], force[index(a)]);
     store3(lammps->atom->torque[a], torque[index(a)]);

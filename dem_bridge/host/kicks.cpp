@@ -5,22 +5,26 @@
 #include "dem_bridge/host/engine_impl.h"
 #include "dem_bridge/host/kick.h"
 #include "dem_bridge/host/kick_sums.h"
+#include "dem_bridge/host/load_cursor.h"
 
 namespace tuft::dem {
 namespace {
 
 /// A kick of LIGGGHTS' grains, of a step that is under way (`in_run`) or between two runs.
+///
+/// In a run what is added goes to the forces, for both half kicks are to come. Between runs it goes to the
+/// velocities as a whole: LIGGGHTS still makes its second half kick under the forces that it has, and arrays
+/// that need not be written are half of the memory that a kick goes through.
 struct Kick {
   double *velocity, *spin, *force, *torque;  // rows of three, one behind the other
   const double *mass, *radius;
-  std::array<const double*, 6> impulses;  // of the window: linear, angular; by the grain's number
   double step, per_second, damping;
   Vec3 gravity;
   bool in_run;
 };
 
-/// Grain `i`, in place `a` of LIGGGHTS' arrays.
-void kick_one(const Kick& kick, std::size_t a, std::size_t i, bool loaded, KickSums& sums) {
+/// The grain in place `a` of LIGGGHTS' arrays. `loads`: its own, one or none.
+void kick_one(const Kick& kick, std::size_t a, std::span<const LoadRecord> loads, KickSums& sums) {
   const double half = 0.5 * kick.step, mass = kick.mass[a], radius = kick.radius[a];
   double *const v = kick.velocity + 3 * a, *const w = kick.spin + 3 * a, *const f = kick.force + 3 * a,
                 *const t = kick.torque + 3 * a;
@@ -30,17 +34,17 @@ void kick_one(const Kick& kick, std::size_t a, std::size_t i, bool loaded, KickS
     grain.spin += half / grain.inertia * grain.pair_torque;
   }
   GrainLoad load{Vec3(0, 0, 0), Vec3(0, 0, 0), kick.gravity, kick.damping, kick.step};
-  if (loaded) {
-    const auto& p = kick.impulses;
-    load.contact_force = kick.per_second * Vec3(p[0][i], p[1][i], p[2][i]);
-    load.contact_torque = kick.per_second * Vec3(p[3][i], p[4][i], p[5][i]);
+  if (!loads.empty()) {
+    load.contact_force = kick.per_second * load3(loads.front().impulse.data());
+    load.contact_torque = kick.per_second * load3(loads.front().angular.data());
   }
   const GrainKick done = kick_grain(grain, load);
-  store3(f, grain.pair_force + done.added_force);
-  store3(t, grain.pair_torque + done.added_torque);
-  if (!kick.in_run) {
-    store3(v, done.middle);
-    store3(w, done.middle_spin);
+  if (kick.in_run) {
+    store3(f, grain.pair_force + done.added_force);
+    store3(t, grain.pair_torque + done.added_torque);
+  } else {
+    store3(v, done.middle + half / mass * done.added_force);
+    store3(w, done.middle_spin + half / grain.inertia * done.added_torque);
   }
   for (std::size_t c = 0; c < 3; ++c) {
     const double impulse = kick.step * load.contact_force[static_cast<Eigen::Index>(c)];
@@ -53,21 +57,28 @@ void kick_one(const Kick& kick, std::size_t a, std::size_t i, bool loaded, KickS
   sums.damping_work += done.damping_work;
 }
 
-static_assert(load_block % lanes == 0);
+/// Grains that are kicked at once.
+constexpr std::size_t kick_block_size = 32;
+static_assert(kick_block_size % lanes == 0);
 
 /// Three values of each grain of a block, by component, and back.
 struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
-  std::array<double, load_block> x, y, z;
+  std::array<double, kick_block_size> x, y, z;
 
-  void read(const double* rows, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) {
+  void read(const double* rows) {
+    for (std::size_t k = 0; k < kick_block_size; ++k) {
       x[k] = rows[3 * k];
       y[k] = rows[3 * k + 1];
       z[k] = rows[3 * k + 2];
     }
   }
-  void write(double* rows, std::size_t count) const {
-    for (std::size_t k = 0; k < count; ++k) {
+  void clear() {
+    x.fill(0);
+    y.fill(0);
+    z.fill(0);
+  }
+  void write(double* rows) const {
+    for (std::size_t k = 0; k < kick_block_size; ++k) {
       rows[3 * k] = x[k];
       rows[3 * k + 1] = y[k];
       rows[3 * k + 2] = z[k];
@@ -81,12 +92,24 @@ struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
   }
 };
 
-/// Of the grains from i on, three components from `first` on.
-Pack3 forces_of(const Kick& kick, std::size_t first, std::size_t i) {
-  const Pack scale = kick.per_second;
-  const auto component = [&](std::size_t c) { return scale * load(kick.impulses[first + c] + i); };
-  return {component(0), component(1), component(2)};
-}
+/// Contact forces and torques on the grains of a block.
+struct BlockLoads {
+  BlockRows force, torque;
+
+  void read(std::span<const LoadRecord> loads, std::size_t first, double per_second) {
+    force.clear();
+    torque.clear();
+    for (const LoadRecord& load : loads) {
+      const std::size_t k = load.grain - first;
+      force.x[k] = per_second * load.impulse[0];
+      force.y[k] = per_second * load.impulse[1];
+      force.z[k] = per_second * load.impulse[2];
+      torque.x[k] = per_second * load.angular[0];
+      torque.y[k] = per_second * load.angular[1];
+      torque.z[k] = per_second * load.angular[2];
+    }
+  }
+};
 
 Pack3 absolute(const Pack3& a) {
   using std::abs;
@@ -94,52 +117,58 @@ Pack3 absolute(const Pack3& a) {
 }
 
 /// As kick_one for the block of grains from `first` on, which lie in our order, as many at once as there are
-/// lanes.
+/// lanes. `loads`: of these grains.
 template <bool in_run, bool loaded>
-void kick_block(const Kick& kick, std::size_t first, KickSums& sums) {
+void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord> loads, KickSums& sums) {
   BlockRows v, w, f, t;
-  v.read(kick.velocity + 3 * first, load_block);
-  w.read(kick.spin + 3 * first, load_block);
-  f.read(kick.force + 3 * first, load_block);
-  t.read(kick.torque + 3 * first, load_block);
+  v.read(kick.velocity + 3 * first);
+  w.read(kick.spin + 3 * first);
+  f.read(kick.force + 3 * first);
+  t.read(kick.torque + 3 * first);
+  BlockLoads block_loads;
+  if constexpr (loaded) block_loads.read(loads, first, kick.per_second);
   const double half = 0.5 * kick.step;
   const Pack none = 0.0;
   const Pack3 gravity{kick.gravity.x(), kick.gravity.y(), kick.gravity.z()};
   Pack kinetic = 0.0, pair_work = 0.0, contact_work = 0.0, damping_work = 0.0;
   Pack3 received{none, none, none}, scale{none, none, none};
-  for (std::size_t k = 0; k < load_block; k += lanes) {
+  for (std::size_t k = 0; k < kick_block_size; k += lanes) {
     const Pack mass(kick.mass + first + k, stdx::element_aligned),
         radius(kick.radius + first + k, stdx::element_aligned);
     GrainStateOf<Pack3, Pack> grain{v.pack(k), w.pack(k), f.pack(k),
                                     t.pack(k), mass,      0.4 * mass * radius * radius};
+    const Pack of_force = half / mass, of_torque = half / grain.inertia;
     if constexpr (in_run) {
-      grain.velocity = grain.velocity + Pack(half / mass) * grain.pair_force;
-      grain.spin = grain.spin + Pack(half / grain.inertia) * grain.pair_torque;
+      grain.velocity = grain.velocity + of_force * grain.pair_force;
+      grain.spin = grain.spin + of_torque * grain.pair_torque;
     }
     GrainLoadOf<Pack3> load{{none, none, none}, {none, none, none}, gravity, kick.damping, kick.step};
     if constexpr (loaded) {
-      load.contact_force = forces_of(kick, 0, first + k);
-      load.contact_torque = forces_of(kick, 3, first + k);
+      load.contact_force = block_loads.force.pack(k);
+      load.contact_torque = block_loads.torque.pack(k);
       received = received + load.contact_force;
       scale = scale + absolute(load.contact_force);
     }
     const auto done = kick_grain(grain, load);
-    f.set(k, grain.pair_force + done.added_force);
-    t.set(k, grain.pair_torque + done.added_torque);
-    if constexpr (!in_run) {
-      v.set(k, done.middle);
-      w.set(k, done.middle_spin);
+    if constexpr (in_run) {
+      f.set(k, grain.pair_force + done.added_force);
+      t.set(k, grain.pair_torque + done.added_torque);
+    } else {
+      v.set(k, done.middle + of_force * done.added_force);
+      w.set(k, done.middle_spin + of_torque * done.added_torque);
     }
     kinetic += done.kinetic;
     pair_work += done.pair_work;
     contact_work += done.contact_work;
     damping_work += done.damping_work;
   }
-  f.write(kick.force + 3 * first, load_block);
-  t.write(kick.torque + 3 * first, load_block);
-  if constexpr (!in_run) {
-    v.write(kick.velocity + 3 * first, load_block);
-    w.write(kick.spin + 3 * first, load_block);
+  const bool turned = loaded || kick.damping != 0;
+  if constexpr (in_run) {
+    f.write(kick.force + 3 * first);
+    if (turned) t.write(kick.torque + 3 * first);
+  } else {
+    v.write(kick.velocity + 3 * first);
+    if (turned) w.write(kick.spin + 3 * first);
   }
   sums.kinetic += sum_lanes(kinetic);
   sums.pair_work += sum_lanes(pair_work);
@@ -155,14 +184,15 @@ void kick_block(const Kick& kick, std::size_t first, KickSums& sums) {
   }
 }
 
-/// All grains, which lie in our order.
+/// The grains from `first` to before `end`, which lie in our order.
 template <bool in_run>
-void kick_in_order(const Kick& kick, std::size_t count, const double* loaded, KickSums& sums) {
-  std::size_t first = 0;
-  for (; first + load_block <= count; first += load_block)
-    loaded[first / load_block] != 0 ? kick_block<in_run, true>(kick, first, sums)
-                                    : kick_block<in_run, false>(kick, first, sums);
-  for (; first < count; ++first) kick_one(kick, first, first, loaded[first / load_block] != 0, sums);
+void kick_in_order(const Kick& kick, std::size_t first, std::size_t end, LoadCursor& cursor, KickSums& sums) {
+  for (; first + kick_block_size <= end; first += kick_block_size) {
+    const auto loads = cursor.of(first, first + kick_block_size);
+    loads.empty() ? kick_block<in_run, false>(kick, first, loads, sums)
+                  : kick_block<in_run, true>(kick, first, loads, sums);
+  }
+  for (; first < end; ++first) kick_one(kick, first, cursor.of(first, first + 1), sums);
 }
 
 }  // namespace
@@ -221,24 +251,32 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
   if (some_expelled) hold_expelled();
   KickSums sums;
   if (count > 0) {
-    std::array<const double*, 6> impulses{};
-    for (std::size_t c = 0; c < 6; ++c) impulses[c] = memory.array(SharedArrays::impulse_x + c).data();
     const Kick kick{atom->v[0], atom->omega[0], atom->f[0], atom->torque[0], atom->rmass, atom->radius,
-                    impulses, shared.step,
+                    shared.step,
                     // Even over the substeps.
                     1.0 / (static_cast<double>(shared.substeps) * shared.step), shared.damping,
                     load3(shared.gravity.data()), in_run};
-    const auto loaded = memory.array(SharedArrays::loaded), expelled = memory.array(SharedArrays::expelled);
-    if (!clumps->empty()) kick_clumps(in_run, sums);
-    if (!some_expelled && clumps->empty() && in_our_order()) {
-      in_run ? kick_in_order<true>(kick, count, loaded.data(), sums)
-             : kick_in_order<false>(kick, count, loaded.data(), sums);
+    const auto expelled = memory.array(SharedArrays::expelled);
+    LoadCursor cursor(memory.loads());
+    if (!clumps->empty()) {
+      kick_clumps(in_run, sums);
+      cursor = LoadCursor(memory.loads());
+    }
+    if (clumps->empty() && in_our_order()) {
+      std::size_t first = 0;
+      const auto kick_up_to = [&](std::size_t end) {
+        in_run ? kick_in_order<true>(kick, first, end, cursor, sums)
+               : kick_in_order<false>(kick, first, end, cursor, sums);
+        first = end + 1;
+      };
+      for (const auto& [i, left] : parked) kick_up_to(i);
+      kick_up_to(count);
     } else {
       for (std::size_t a = 0; a < count; ++a) {
         const std::size_t i = index(static_cast<int>(a));
         if (some_expelled && expelled[i] != 0) continue;
         if (clumps->of_atom(static_cast<int>(a)) >= 0) continue;
-        kick_one(kick, a, i, loaded[i / load_block] != 0, sums);
+        kick_one(kick, a, cursor.of(i, i + 1), sums);
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "dem_bridge/host_process.h"
 #include "dem_bridge/scratch_folder.h"
 #include "tests/hard_cases/dem_bridge/traces.h"
+#include "tests/verification/dem_bridge/clump_scene.h"
 #include "tests/verification/dem_bridge/same_run.h"
 
 namespace tuft::dem::test {
@@ -129,6 +130,43 @@ TEST_F(Network, GivesTheBitsOfSharedMemoryAndResumes) {
   advance(*resumed, 40);
   expect_same_bits(*shared, *resumed);
   fs::remove(file);
+}
+
+/// Two clumps meet and then leave, and so does a sphere; loads come and go.
+TEST_F(Network, GivesTheBitsOfSharedMemoryForClumpsAndGrainsThatLeave) {
+  block_.materials = {clumped(Clump{}), rubber()};
+  Grains& grains = block_.grains;
+  grains = {};
+  add_clump(grains, block_.materials[0], Vec3(0.0475, 0, 0), 0.002, turn_about(Vec3(1, 2, 3), 0.7));
+  add_clump(grains, block_.materials[0], Vec3(0.0445, 0.0002, 0), 0.002);
+  for (const double height : {0.0492, -0.02}) {
+    add_grain(grains, Vec3(0, 0, height), 0.001, 1150);
+    grains.body.push_back(-1);
+    grains.material.back() = 1;
+  }
+  listen();
+  const auto shared = local();
+  const auto over_tcp = remote();
+  for (DemInfill* infill : {shared.get(), over_tcp.get()}) {
+    for (std::size_t i = 4; i < 8; ++i) infill->set_velocity(i, Vec3(8, 0, 0), Vec3(0, 0, 0));
+    infill->set_velocity(8, Vec3(0, 0, 4), Vec3(0, 100, 0));
+    ContactImpulses contact = no_impulses(grains.size());
+    const double window = infill->stable_step();
+    for (int k = 0; k < 500; ++k) {
+      const double push = k % 3 == 0 ? 1e-8 : 0;
+      for (const std::size_t i : {1, 9}) {
+        contact.linear.set(i, push * Vec3(1, 2, 0));
+        contact.angular.set(i, 1e-3 * push * Vec3(0, 1, 1));
+      }
+      infill->advance(window, 2, contact);
+    }
+  }
+  expect_same_bits(*shared, *over_tcp);
+  EXPECT_GT(shared->energy().dissipated, 0) << "the clumps have met";
+  EXPECT_EQ(shared->expelled().particles, 3u) << "a sphere, and clumps as one each";
+  EXPECT_EQ(over_tcp->expelled().particles, shared->expelled().particles);
+  EXPECT_EQ(over_tcp->expelled().momentum, shared->expelled().momentum);
+  EXPECT_EQ(over_tcp->expelled().kinetic_energy, shared->expelled().kinetic_energy);
 }
 
 TEST_F(Network, AHostThatIsKilledIsOneClearLineAndTheNextRunIsServed) {

@@ -22,6 +22,7 @@ TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
   ASSERT_EQ(host.grains(), 1001u);
   for (std::size_t name = 0; name < SharedArrays::count; ++name)
     for (double& value : driver.array(name)) value = static_cast<double>(name) + 0.5;
+  for (LoadRecord& load : driver.load_room()) load = {7, {1, 2, 3}, {4, 5, 6}};
   for (std::size_t rank = 0; rank < 3; ++rank) driver.rank(rank).grains = 5 + rank;
   EXPECT_EQ(host.ranks(), 3u);
   EXPECT_EQ(host.grains(), 1001u);
@@ -31,6 +32,17 @@ TEST(SharedMemory, BothEndsSeeTheSameNumbersAndTheNameIsGone) {
     EXPECT_EQ(host.array(name)[1000], static_cast<double>(name) + 0.5) << "arrays overlap";
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(host.array(name).data()) % SharedArrays::alignment, 0u);
   }
+}
+
+TEST(SharedMemory, HasLoadsOfTheWindowAlone) {
+  const SharedMemory memory = SharedMemory::create(10);
+  EXPECT_TRUE(memory.loads().empty());
+  memory.load_room()[1].grain = 5;
+  memory.state().loads = 2;
+  ASSERT_EQ(memory.loads().size(), 2u);
+  EXPECT_EQ(memory.loads()[1].grain, 5u);
+  memory.state().loads = 11;
+  EXPECT_THROW((void)memory.loads(), std::runtime_error);
 }
 
 TEST(SharedMemory, OtherProtocolVersionIsRefused) {
