@@ -36,7 +36,7 @@ enum class Request : char {
   network = 'n',   ///< answered with the contacts themselves: ContactRecords as bytes
   save = 's',      ///< text: name of the restart file to write; fills own forces and torques
   resume = 'r',    ///< after commands that read a restart file: forces, torques, velocities from the memory
-  quit = 'q',      ///< answered, then the host ends
+  quit = 'q',      ///< the host ends, after an answer where the memory is shared
 };
 
 /// Host to driver.
