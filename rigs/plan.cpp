@@ -126,7 +126,7 @@ double time_intervals(const Scene& scene, RunState& state) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed;
 }
 
-/// What conditioning adds: its spheres have steps and a speed of their own.
+/// What conditioning adds in a continuum: its rigid spheres have steps and a speed of their own.
 void plan_conditioning(RunPlan& plan, const Scene& scene) {
   RunState state = make_run_state(scene, nullptr, 0, {});
   const std::uint64_t intervals = state.schedule.conditioned();
@@ -135,15 +135,10 @@ void plan_conditioning(RunPlan& plan, const Scene& scene) {
              intervals);
   const std::uint64_t windows = plan.windows;
   plan.predicted_wall_s += wall;
-  const bool rolls = scene.conditioning.method == "roller", spheres = scene.infill.approach == Approach::sph;
   plan.remarks.push_back(fmt::format(
-      "conditioning: {}{:.3g} ms on {} under a {}, {} windows with {} steps of the {} in each, about {:.3g} "
-      "s "
-      "({} sets most of it)",
-      state.schedule.presses > 1 && !rolls ? "at most " : "",
-      1e3 * static_cast<double>(intervals) * state.schedule.interval, spheres ? "rigid spheres" : "grains",
-      rolls ? "roller" : "plate", windows, plan.infill_substeps, spheres ? "spheres" : "grains", wall,
-      rolls ? "conditioning.roller.speed" : "conditioning.press_time"));
+      "conditioning: {:.3g} ms on rigid spheres under a plate, {} windows with {} steps of the spheres in "
+      "each, about {:.3g} s (conditioning.press_time sets most of it)",
+      1e3 * static_cast<double>(intervals) * state.schedule.interval, windows, plan.infill_substeps, wall));
 }
 
 /// Builds the run and times its real loops over the first intervals.
@@ -216,6 +211,18 @@ void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double 
   plan.remarks.insert(plan.remarks.end(), remarks.begin(), remarks.end());
 }
 
+/// What of a run on grains is conditioning, as far as it can be known: it ends when the bed stays.
+void remark_on_conditioning(RunPlan& plan, const Scene& scene, const Schedule& schedule) {
+  const bool rolls = scene.conditioning.method == "roller";
+  const double intervals = static_cast<double>(schedule.conditioned()),
+               share = intervals / static_cast<double>(schedule.end);
+  plan.remarks.push_back(fmt::format(
+      "conditioning: {}{:.3g} ms under a {}, {:.0f} % of the windows and of the time ({} sets most of it)",
+      schedule.presses > 1 && !rolls ? "at most " : "", 1e3 * intervals * schedule.interval,
+      rolls ? "roller" : "plate", 100 * share,
+      rolls ? "conditioning.roller.speed" : "conditioning.press_time"));
+}
+
 /// DEM without packing: counts from masses, speeds from what the bridge measured (docs/benchmarks.md).
 void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const fe::ShellMesh mesh = coupler::build_carpet_mesh(scene, plan.effects);
@@ -244,6 +251,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   plan.remarks.push_back(
       "grains are counted from layer masses, and time and memory estimated from usual speeds: nothing was "
       "packed");
+  if (scene.conditioning.on()) remark_on_conditioning(plan, scene, schedule);
   remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
 }
 

@@ -157,6 +157,22 @@ TEST(Check, SaysOk) {
   EXPECT_NE(outcome.out.find("ok\n"), std::string::npos) << outcome.out;
 }
 
+TEST(Check, SaysWhatConditioningOfGrainsIsOfTheRun) {
+  const auto check = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"check", "inputs/clegg_small.toml", "--infill", "dem"});
+    return run_tuft(words);
+  };
+  const Outcome pressed = check({"--set", "conditioning.method=compaction", "--set",
+                                 "conditioning.press_time=20ms", "--set", "conditioning.lift_time=5ms",
+                                 "--set", "conditioning.settle_time=5ms", "--set", "conditioning.presses=2"});
+  ASSERT_EQ(pressed.exit_code, 0) << pressed.error;
+  // Two presses of 30 ms, then 10 ms of settling and 25 ms of the drop.
+  EXPECT_NE(pressed.out.find("at most 60 ms under a plate, 63 % of"), std::string::npos) << pressed.out;
+  const Outcome rolled = check({"--set", "conditioning.method=roller"});
+  EXPECT_NE(rolled.out.find("ms under a roller, "), std::string::npos) << rolled.out << rolled.error;
+  EXPECT_EQ(check({}).out.find("under a"), std::string::npos);
+}
+
 TEST(Explain, NamesEffectsSizesStepsAndPrediction) {
   std::vector<std::string> words{"explain"};
   const auto scene = tiny_scene();
