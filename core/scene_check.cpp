@@ -307,9 +307,6 @@ void check_individual_steps(const Scene& scene, const Places& places) {
   const int steps = scene.numerics.individual_steps;
   if ((steps & (steps - 1)) != 0)
     places.fail("numerics.individual_steps", fmt::format("is {}; give 1, 2, 4, 8 or 16", steps));
-  if (steps > 1 && scene.numerics.sleep_tolerance > 0 && scene.infill.approach == Approach::sph)
-    places.fail("numerics.individual_steps",
-                "cannot be combined with numerics.sleep_tolerance; set this to 1, or the tolerance to 0");
 }
 
 }  // namespace

@@ -131,8 +131,7 @@ std::vector<NormalSpring> body_springs(const Scene& scene, const std::vector<Eff
 std::vector<NormalSpring> wall_springs(const Scene& scene, const std::vector<EffectDecision>& effects,
                                        const ParticleView& particles) {
   std::vector<NormalSpring> springs;
-  if (scene.numerics.body_contact != BodyContactKind::half_row ||
-      std::ranges::equal(particles.half_height, particles.radius) || particles.half_height.empty())
+  if (scene.numerics.body_contact != BodyContactKind::half_row || particles.half_height.empty())
     return springs;
   const sph::SoilEffects soil_effects = sph::soil_effects_of(effects);
   FoundOnce<NormalSpring> known;

@@ -84,6 +84,21 @@ int IndividualSteps::period_of(std::size_t particle) const {
   return enabled() ? period_[particle / lanes] : 1;
 }
 
+int IndividualSteps::longest_period_of(std::size_t first, std::size_t end) const {
+  if (!enabled()) return 1;
+  const auto of = [&](std::size_t particle) {
+    return period_.begin() + static_cast<std::ptrdiff_t>(particle / lanes);
+  };
+  return *std::max_element(of(first), of(end + lanes - 1));
+}
+
+std::size_t IndividualSteps::kicked_particles(std::size_t first, std::size_t end) const {
+  std::size_t count = 0;
+  for (; first < end; first += lanes)
+    if (is_kicked(first / lanes)) count += std::min(lanes, end - first);
+  return count;
+}
+
 void IndividualSteps::set_contact_rates(std::span<const float> rates) {
   if (!enabled()) return;
   for (std::size_t g = 0; g < groups(); ++g) {

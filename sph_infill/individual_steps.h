@@ -38,6 +38,7 @@ class IndividualSteps {
   IndividualSteps(int largest, double safety, std::size_t particles);
 
   [[nodiscard]] bool enabled() const { return largest_ > 1; }
+  [[nodiscard]] int largest() const { return largest_; }
 
   /// Steps that contact bears, 1/s: inverse of the longest, a value a particle; 0 where nothing is near,
   /// infinite where every step counts.
@@ -71,13 +72,16 @@ class IndividualSteps {
   [[nodiscard]] const ParticleKicks& kicks() const { return kicks_; }
   /// All particles are kicked in the step begun: energies are of one moment.
   [[nodiscard]] bool is_in_step() const { return in_step_; }
-  /// Particles kicked in the step begun.
+  /// Particles kicked in the step begun; among those from `first` to before `end`, where a group begins.
   [[nodiscard]] std::size_t kicked_particles() const { return kicked_particles_; }
+  [[nodiscard]] std::size_t kicked_particles(std::size_t first, std::size_t end) const;
   /// Notes a group's stable step (s) as just found.
   void note(std::size_t group, double stable) { own_rate_[group] = static_cast<float>(1 / stable); }
   void end(double dt);
 
   [[nodiscard]] int period_of(std::size_t particle) const;
+  /// Of the particles from `first` to before `end`, where a group begins.
+  [[nodiscard]] int longest_period_of(std::size_t first, std::size_t end) const;
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);

@@ -208,19 +208,20 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
   return sums;
 }
 
-/// Kick of a block that is held as long as its unrest allows: as if it were free first, to know it.
+/// Kick of a block that is held as long as its unrest allows: as if it were free first, to know it. steps:
+/// null, or which of it are kicked.
 template <class Chosen, class KernelType>
 KickSums kick_held_block(const KernelType kernel, const LoopSettings& settings, const NeighbourList& list,
-                         const Kick& kick, const Sleep& sleep, std::size_t begin, std::size_t end,
-                         Particles& p) {
+                         const Kick& kick, const Sleep& sleep, const IndividualSteps* steps,
+                         std::size_t begin, std::size_t end, Particles& p) {
   const std::size_t block = begin / block_size;
-  KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, nullptr, false, true, begin, end, p);
+  KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, steps, false, true, begin, end, p);
   if (sleep.wakes(sums.unrest)) return sums;
   for (std::size_t i = begin; i < end; ++i)
     p.velocity.set(i, {p.motion[i].vx, p.motion[i].vy, p.motion[i].vz});  // that before the kick
   if (!sleep.has_settled(block)) {
     const double unrest = sums.unrest;
-    sums = kick_block<Chosen>(kernel, settings, list, kick, nullptr, true, false, begin, end, p);
+    sums = kick_block<Chosen>(kernel, settings, list, kick, steps, true, false, begin, end, p);
     sums.unrest = unrest;
     return sums;
   }
@@ -241,6 +242,16 @@ void take_impulses(const Kick& kick, std::size_t begin, std::size_t end, KickSum
   }
 }
 
+/// Of a sleeping block, where a kick may have been of a part of it: in steps in which energies are of one
+/// moment.
+KickSums energy_at_rest(const IndividualSteps& steps, const Vec3& gravity, const Particles& p,
+                        std::size_t begin, std::size_t end) {
+  KickSums sums;
+  if (!steps.is_in_step()) return sums;
+  for (std::size_t i = begin; i < end; ++i) sums.gravity_potential -= p.mass[i] * gravity.dot(p.position[i]);
+  return sums;
+}
+
 }  // namespace
 
 KickSums& KickSums::operator+=(const KickSums& other) {
@@ -259,11 +270,11 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
               std::vector<KickSums>& blocks, const Sleep* sleep, const IndividualSteps* steps) {
   const auto pass = [&](auto chosen, const auto kernel) {
     for_blocks(particles.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
-      blocks[b] =
-          sleep && sleep->is_held(b)
-              ? kick_held_block<decltype(chosen)>(kernel, settings, list, kick, *sleep, begin, end, particles)
-              : kick_block<decltype(chosen)>(kernel, settings, list, kick, steps, false, sleep != nullptr,
-                                             begin, end, particles);
+      blocks[b] = sleep && sleep->is_held(b)
+                      ? kick_held_block<decltype(chosen)>(kernel, settings, list, kick, *sleep, steps, begin,
+                                                          end, particles)
+                      : kick_block<decltype(chosen)>(kernel, settings, list, kick, steps, false,
+                                                     sleep != nullptr, begin, end, particles);
     });
   };
   with_kernel(settings.options, [&](const auto kernel) {
@@ -278,7 +289,10 @@ KickSums kick(const LoopSettings& settings, const NeighbourList& list, const Kic
   });
   if (sleep)
     for_blocks(particles.size(), nullptr, [&](std::size_t b, std::size_t begin, std::size_t end) {
-      if (sleep->is_asleep(b)) take_impulses(kick, begin, end, blocks[b]);
+      if (!sleep->is_asleep(b)) return;
+      // Otherwise that stays which the block was last computed with, all of it at once.
+      if (steps) blocks[b] = energy_at_rest(*steps, kick.gravity, particles, begin, end);
+      take_impulses(kick, begin, end, blocks[b]);
     });
   KickSums sum;
   for (const KickSums& block : blocks) sum += block;

@@ -81,10 +81,12 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
 }
 
 ContactRadii contact_radii(const Lattice& lattice) {
-  ContactRadii radii{lattice.radius, lattice.half_height};
-  if (radii.radius.empty())
+  if (lattice.half_height != lattice.radius) return {lattice.radius, lattice.half_height};
+  ContactRadii radii{lattice.radius, {}};
+  if (radii.radius.empty()) {
+    radii.radius.reserve(lattice.volume.size());
     for (const double volume : lattice.volume) radii.radius.push_back(0.5 * std::cbrt(volume));
-  if (radii.half_height.empty()) radii.half_height = radii.radius;
+  }
   return radii;
 }
 

@@ -75,7 +75,7 @@ struct Particles {
 
   // What never changes.
   std::vector<double> mass;                 ///< kg
-  std::vector<double> radius, half_height;  ///< m, of contact
+  std::vector<double> radius, half_height;  ///< m, of contact; half_height: empty where it is the radius
   std::vector<double> reference_volume;     ///< m^3 at no strain: mass over the law's density, unless a
                                             ///< compacted bed made the density it had reached the reference
   std::vector<Index> layer, material;       ///< material: also the index into the laws

@@ -15,8 +15,11 @@ constexpr std::array contact_names{"sleep_contact_x", "sleep_contact_y", "sleep_
 
 }  // namespace
 
-Sleep::Sleep(double tolerance, double smoothing_length, std::size_t particles)
-    : tolerance_(tolerance), smoothing_length_(smoothing_length), particles_(particles) {
+Sleep::Sleep(double tolerance, double smoothing_length, std::size_t particles, std::uint32_t longest_period)
+    : tolerance_(tolerance),
+      smoothing_length_(smoothing_length),
+      particles_(particles),
+      longest_period_(longest_period) {
   const std::size_t blocks = (particles + block_size - 1) / block_size;
   for (std::size_t b = 0; b < blocks; ++b) computed_.push_back(static_cast<Index>(b));
   if (!enabled()) return;
@@ -39,48 +42,64 @@ void Sleep::find_moving() {
     if (is_moving(b)) moving_.push_back(static_cast<Index>(b));
 }
 
+bool Sleep::anything_moves() const {
+  for (std::size_t b = 0; b < held_.size(); ++b)
+    if (is_moving(b)) return true;
+  return false;
+}
+
+void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
+  thread_local std::vector<std::uint8_t> is_near;
+  is_near.assign(held_.size(), 0);
+  for (std::size_t g = block * (block_size / lanes);
+       g < (block + 1) * (block_size / lanes) && g * lanes < particles_; ++g) {
+    const NeighbourList::GroupRows rows = list.group(g);
+    for (std::size_t e = 0; e < rows.length * lanes; ++e)
+      is_near[static_cast<std::size_t>(rows.first[e]) / block_size] = 1;
+  }
+  neighbours_[block].clear();
+  for (std::size_t other = 0; other < is_near.size(); ++other)
+    if (is_near[other] != 0) neighbours_[block].push_back(static_cast<Index>(other));
+}
+
 void Sleep::set_neighbours(const NeighbourList& list, std::span<const Index> blocks) {
-  parallel_for(blocks.size(), [&](std::size_t k) {
-    const auto b = static_cast<std::size_t>(blocks[k]);
-    std::vector<Index>& found = neighbours_[b];
-    found.clear();
-    for (std::size_t g = b * (block_size / lanes);
-         g < (b + 1) * (block_size / lanes) && g * lanes < particles_; ++g) {
-      const NeighbourList::GroupRows rows = list.group(g);
-      for (std::size_t e = 0; e < rows.length * lanes; ++e) {
-        const auto other = static_cast<Index>(static_cast<std::size_t>(rows.first[e]) / block_size);
-        if (found.empty() || found.back() != other) found.push_back(other);
-      }
-      std::sort(found.begin(), found.end());
-      found.erase(std::unique(found.begin(), found.end()), found.end());
-    }
-  });
+  parallel_for(blocks.size(),
+               [&](std::size_t k) { find_neighbours(list, static_cast<std::size_t>(blocks[k])); });
+}
+
+void Sleep::set_neighbours(const NeighbourList& list) {
+  parallel_for(neighbours_.size(), [&](std::size_t b) { find_neighbours(list, b); });
 }
 
 bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec3Array& impulses,
-                                double window) const {
+                                double window, const ParticleKicks& kicks) const {
   const std::size_t end = std::min(particles_, (block + 1) * block_size);
   // Half the tolerance: the rest of it may be there already.
-  const double share = 0.5 * tolerance_ / smoothing_length_ * window;
+  const double share = 0.5 * tolerance_ / smoothing_length_;
   for (std::size_t i = block * block_size; i < end; ++i) {
-    const double c = p.stress[i].wave_speed, allowed = share * c * c * p.mass[i];
-    const double dx = impulses.x[i] - window * contact_[0][i], dy = impulses.y[i] - window * contact_[1][i],
-                 dz = impulses.z[i] - window * contact_[2][i];
+    const double length = kicks.empty() ? window : kicks.length[i / kicks.group];
+    const double c = p.stress[i].wave_speed, allowed = share * length * c * c * p.mass[i];
+    const double dx = impulses.x[i] - length * contact_[0][i], dy = impulses.y[i] - length * contact_[1][i],
+                 dz = impulses.z[i] - length * contact_[2][i];
     if (!(dx * dx + dy * dy + dz * dz <= allowed * allowed)) return true;  // NaN too
   }
   return false;
 }
 
-void Sleep::remember_contact(std::size_t block, const Vec3Array* impulses, double window) {
+void Sleep::remember_contact(std::size_t block, const Vec3Array* impulses, double window,
+                             const ParticleKicks& kicks) {
   const std::size_t end = std::min(particles_, (block + 1) * block_size);
   for (std::size_t i = block * block_size; i < end; ++i) {
-    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] / window) : 0;
-    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] / window) : 0;
-    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] / window) : 0;
+    const double length = kicks.empty() ? window : kicks.length[i / kicks.group];
+    if (length == 0) continue;  // contact has not been evaluated for it
+    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] / length) : 0;
+    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] / length) : 0;
+    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] / length) : 0;
   }
 }
 
-void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double window) {
+void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double window,
+                   const ParticleKicks& kicks) {
   if (!enabled()) return;
   const std::size_t blocks = held_.size();
   std::fill(computed_now_.begin(), computed_now_.end(), std::uint8_t{0});
@@ -90,25 +109,27 @@ void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double
       computed_now_[static_cast<std::size_t>(other)] = 1;
   }
   parallel_for(blocks, [&](std::size_t b) {
-    if (computed_now_[b] == 0 && impulses && contact_has_changed(b, particles, *impulses, window))
+    if (computed_now_[b] == 0 && impulses && contact_has_changed(b, particles, *impulses, window, kicks))
       computed_now_[b] = 1;
-    if (computed_now_[b] != 0) remember_contact(b, impulses, window);
+    if (computed_now_[b] != 0) remember_contact(b, impulses, window, kicks);
   });
   computed_.clear();
   for (std::size_t b = 0; b < blocks; ++b)
     if (computed_now_[b] != 0) computed_.push_back(static_cast<Index>(b));
 }
 
-void Sleep::note(std::size_t block, double unrest) {
+void Sleep::note(std::size_t block, double unrest, std::uint32_t period) {
   if (held_[block] != 0) {
     if (quiet_[block] > 0) --quiet_[block];
     if (wakes(unrest)) held_[block] = 0, quiet_[block] = 0;
     return;
   }
   quiet_[block] = unrest < 0.5 * tolerance_ ? quiet_[block] + 1 : 0;
-  if (quiet_[block] < quiet_steps) return;
+  // Of a particle that is slow, two kicks at least.
+  if (quiet_[block] < std::max(quiet_steps, 2 * period)) return;
   held_[block] = 1;
-  quiet_[block] = 2;  // the first still strains by the last velocities, the second is at rest
+  // Until all are held, and then until all are strained by their last velocities.
+  quiet_[block] = 2 * longest_period_;
 }
 
 void Sleep::wake(std::size_t block) {

@@ -13,6 +13,9 @@
 /// `quiet_steps` steps. A block on guard is let go in the very step in which the unrest of one of its
 /// particles passes the tolerance.
 ///
+/// Where particles take steps of their own (individual_steps.h), unrest is found at their kicks, two at least
+/// of the slowest of a block are awaited, and particles are held from their next kick on.
+///
 /// docs/theory/sph.md shows why no wave can be missed.
 #include <array>
 #include <cstdint>
@@ -33,14 +36,16 @@ class Sleep {
   static constexpr std::uint32_t quiet_steps = 20;
 
   Sleep() = default;
-  /// tolerance: strain, >= 0; 0: all blocks are awake for ever, at no cost.
-  Sleep(double tolerance, double smoothing_length, std::size_t particles);
+  /// tolerance: strain, >= 0; 0: all blocks are awake for ever, at no cost. longest_period: steps from one
+  /// kick of a particle to the next, at most.
+  Sleep(double tolerance, double smoothing_length, std::size_t particles, std::uint32_t longest_period = 1);
 
   [[nodiscard]] bool enabled() const { return tolerance_ > 0; }
   /// Awake and on guard, ascending.
   [[nodiscard]] std::span<const Index> computed() const { return computed_; }
   [[nodiscard]] bool is_held(std::size_t block) const { return enabled() && held_[block] != 0; }
-  /// Of a held block: its particles had no velocity in the last step either.
+  /// Of a held block: its particles have no velocity any more, and what they were strained by is in their
+  /// stresses.
   [[nodiscard]] bool has_settled(std::size_t block) const { return quiet_[block] == 0; }
   /// Whether a held block with this unrest is let go, in the same step.
   /// NaN lets go: what is held still would hide it.
@@ -52,15 +57,24 @@ class Sleep {
   /// Blocks that move, or did in the last step, ascending: as of the last `find_moving`.
   void find_moving();
   [[nodiscard]] std::span<const Index> moving() const { return moving_; }
+  [[nodiscard]] bool anything_moves() const;
   /// Notes which blocks the neighbours of those given are in.
   void set_neighbours(const NeighbourList& list, std::span<const Index> blocks);
+  /// The same of all blocks.
+  void set_neighbours(const NeighbourList& list);
   /// Chooses the blocks to compute in the coming step: what moves, what stands beside it, and what contact
-  /// pushes otherwise than before. impulses: of the window, N s, or null; window: s.
-  void choose(const Particles& particles, const Vec3Array* impulses, double window);
-  /// What a step has found. unrest: a block's, where it was computed.
-  template <class UnrestOfBlock>
-  void update(UnrestOfBlock&& unrest) {
-    for (const Index b : computed_) note(static_cast<std::size_t>(b), unrest(static_cast<std::size_t>(b)));
+  /// pushes otherwise than before. impulses: of the window, N s, or null; window: s. kicks: where contact has
+  /// been evaluated for kicks of the particles' own.
+  void choose(const Particles& particles, const Vec3Array* impulses, double window,
+              const ParticleKicks& kicks = {});
+  /// What a step has found. unrest: a block's, where it was computed; period: steps between kicks of its
+  /// slowest particle.
+  template <class UnrestOfBlock, class PeriodOfBlock>
+  void update(UnrestOfBlock&& unrest, PeriodOfBlock&& period) {
+    for (const Index block : computed_) {
+      const auto b = static_cast<std::size_t>(block);
+      note(b, unrest(b), period(b));
+    }
   }
   void wake(std::size_t block);
 
@@ -70,16 +84,20 @@ class Sleep {
   void load(const h5::Group& group, NeighbourList& list);
 
  private:
-  void note(std::size_t block, double unrest);
+  void note(std::size_t block, double unrest, std::uint32_t period);
+  void find_neighbours(const NeighbourList& list, std::size_t block);
   /// Whether its particles have moved in the last two steps.
   [[nodiscard]] bool is_moving(std::size_t block) const { return held_[block] == 0 || quiet_[block] > 0; }
   /// Whether contact pushes a sleeping block otherwise than when it was last computed.
   [[nodiscard]] bool contact_has_changed(std::size_t block, const Particles& particles,
-                                         const Vec3Array& impulses, double window) const;
-  void remember_contact(std::size_t block, const Vec3Array* impulses, double window);
+                                         const Vec3Array& impulses, double window,
+                                         const ParticleKicks& kicks) const;
+  void remember_contact(std::size_t block, const Vec3Array* impulses, double window,
+                        const ParticleKicks& kicks);
 
   double tolerance_ = 0, smoothing_length_ = 0;
   std::size_t particles_ = 0;
+  std::uint32_t longest_period_ = 1;
   std::vector<std::uint8_t> held_, computed_now_;
   /// Awake: steps that a block has been at rest. Held: steps for which it is still computed, so that what its
   /// neighbours read of it belongs to rest.

@@ -95,12 +95,11 @@ void SphInfill::save(h5::Group& group) {
   }
   if (m.sleep.enabled()) m.save_sleep(group);
   if (m.steps.enabled()) m.save_steps(group);
+  if (m.sleep.enabled() || m.steps.enabled()) m.save_records(group);
 }
 
-// What is not strained in the next step is read by those that are kicked.
 void SphInfill::Impl::save_steps(h5::Group& group) const {
   steps.save(group);
-  save_records(group);
   // Paces are of what its list reached.
   group.write_scalar("list_skin", list.skin());
   group.write_scalar("list_steps", list_steps);
@@ -117,7 +116,6 @@ void SphInfill::Impl::load_steps(const h5::Group& group) {
   list.set_skin(group.read_double("list_skin"));
   list.build(particles.position);
   list_steps = group.read_count("list_steps");
-  load_records(group);
   const std::vector<double> own = read_array(group, "own_step", particles.size());
   std::transform(own.begin(), own.end(), particles.own_step.begin(),
                  [](double v) { return static_cast<float>(v); });
@@ -125,7 +123,8 @@ void SphInfill::Impl::load_steps(const h5::Group& group) {
   energy_in_step = {e[0], e[1], e[2], e[3], e[4], e[5], e[6], e[7]};
 }
 
-/// With what says when the list is to be built anew.
+/// What is asleep, or not strained in the next step, is not computed again: what its neighbours read of it is
+/// part of the state. With what says when the list is to be built anew.
 void SphInfill::Impl::save_records(h5::Group& group) const {
   group.write_scalar("displacement", displacement);
   group.write("frame", std::vector<double>(frame.data(), frame.data() + 3));
@@ -143,10 +142,8 @@ void SphInfill::Impl::load_records(const h5::Group& group) {
              particles.residual);
 }
 
-// What is asleep is not computed again: what its neighbours read of it is part of the state.
 void SphInfill::Impl::save_sleep(h5::Group& group) const {
   sleep.save(group, list);
-  save_records(group);
   std::vector<double> potential, stable;
   for (const KickSums& block : kick_blocks) potential.push_back(block.gravity_potential);
   for (const StressSums& block : stress_blocks) stable.push_back(block.stable_step);
@@ -156,7 +153,6 @@ void SphInfill::Impl::save_sleep(h5::Group& group) const {
 
 void SphInfill::Impl::load_sleep(const h5::Group& group) {
   sleep.load(group, list);
-  load_records(group);
   const std::vector<double> potential = read_array(group, "block_gravity_potential", kick_blocks.size()),
                             stable = read_array(group, "block_stable_step", stress_blocks.size());
   for (std::size_t b = 0; b < potential.size(); ++b) {
@@ -189,6 +185,7 @@ void SphInfill::load(const h5::Group& group) {
   m.list.build(m.particles.position);
   if (m.sleep.enabled()) m.load_sleep(group);
   if (m.steps.enabled()) m.load_steps(group);
+  if (m.sleep.enabled() || m.steps.enabled()) m.load_records(group);
 }
 
 }  // namespace tuft::sph

@@ -85,9 +85,6 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   const std::size_t n = lattice.position.size();
   p.assign(n);
   if (given.zero_energy_control) p.residual.assign(n, {});
-  if (given.individual_steps > 1 && given.sleep_tolerance > 0)
-    throw_input_error(
-        "numerics.individual_steps and numerics.sleep_tolerance cannot be combined: choose one of them");
   steps = IndividualSteps(given.individual_steps, given.step_safety, n);
   if (steps.enabled()) p.own_step.assign(n, 0);
   p.position = lattice.position;
@@ -152,7 +149,8 @@ void SphInfill::Impl::begin(double lattice_pitch, double sleep_tolerance) {
   kick_blocks.resize(block_count(p));
   drift_blocks.resize(block_count(p));
   list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * pitch);
-  sleep = Sleep(sleep_tolerance, settings.options.smoothing_length, p.size());
+  sleep = Sleep(sleep_tolerance, settings.options.smoothing_length, p.size(),
+                static_cast<std::uint32_t>(steps.largest()));
   list.build(p.position);
   note_neighbours();
   stable_step = update_stress(settings, list, 0, p, stress_blocks).stable_step;

@@ -34,7 +34,8 @@ struct Lattice {
 /// pitch.
 [[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
 
-/// Contact radii of a lattice's particles, m; of a lattice that has none those of cubes.
+/// Contact radii of a lattice's particles, m; of a lattice that has none those of cubes. half_height: empty
+/// where it is the radius, of rows as high as the pitch.
 struct ContactRadii {
   std::vector<double> radius, half_height;
 };

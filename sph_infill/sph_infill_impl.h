@@ -69,6 +69,9 @@ struct SphInfill::Impl {
   void build_list();
   /// Makes the neighbours of all that will be computed known, and chooses what that is.
   void prepare(const Vec3Array* impulse, double window);
+  /// Chooses what will be computed, where steps are individual: all neighbours are known then.
+  void choose_sleepers(const Vec3Array* impulse, double window);
+  [[nodiscard]] std::size_t computed_particles() const;
   [[noreturn]] void report_invalid_stress() const;
   [[noreturn]] void report_invalid_motion() const;
 };

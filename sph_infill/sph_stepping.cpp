@@ -29,7 +29,10 @@ double best_skin(double reach, double move, double pitch) {
 KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impulse_share) {
   const Sleep* sleeping = sleep.enabled() ? &sleep : nullptr;
   IndividualSteps* individual = steps.enabled() ? &steps : nullptr;
-  if (!individual) prepare(impulse, dt / impulse_share);
+  if (individual)
+    choose_sleepers(impulse, dt / impulse_share);
+  else
+    prepare(impulse, dt / impulse_share);
 
   const StressSums stress = update_stress(settings, list, individual ? dt : step_before, particles,
                                           stress_blocks, sleeping, individual);
@@ -50,16 +53,34 @@ KickSums SphInfill::Impl::step(double dt, const Vec3Array* impulse, double impul
   frame = moved.velocity_sum / static_cast<double>(particles.size());
   time += dt;
   step_before = dt;
-  particle_steps += individual ? steps.kicked_particles() : sleep.computed_particles();
-  if (sleeping) sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; });
+  particle_steps += computed_particles();
+  if (sleeping)
+    sleep.update([&](std::size_t b) { return kick_blocks[b].unrest; },
+                 [&](std::size_t b) {
+                   return static_cast<std::uint32_t>(steps.longest_period_of(
+                       b * block_size, std::min(particles.size(), (b + 1) * block_size)));
+                 });
   if (individual) steps.end(dt), begun = own_kicks = false;
   if (moved.outside) expel(dt);
   return kicked;
 }
 
+/// In the step under way.
+std::size_t SphInfill::Impl::computed_particles() const {
+  if (!steps.enabled()) return sleep.computed_particles();
+  if (!sleep.enabled()) return steps.kicked_particles();
+  std::size_t count = 0;
+  for (const Index block : sleep.computed()) {
+    const std::size_t begin = static_cast<std::size_t>(block) * block_size;
+    count += steps.kicked_particles(begin, std::min(particles.size(), begin + block_size));
+  }
+  return count;
+}
+
 void SphInfill::Impl::begin_steps(double dt, int substeps, bool energy_wanted) {
   if (substeps > 1) steps.take_every_step();  // contact is not evaluated between them
-  const bool choose = substeps == 1 && steps.to_be_chosen(), stale = list_has_served();
+  const bool rests = sleep.enabled() && !sleep.anything_moves();
+  const bool choose = substeps == 1 && steps.to_be_chosen() && !rests, stale = list_has_served();
   // A list just built, so that a resumed run chooses alike.
   if (choose || stale) build_list();
   // Of all that may come within the support before the list is built anew.
@@ -142,6 +163,7 @@ bool SphInfill::Impl::list_has_served() {
 
 void SphInfill::Impl::build_list() {
   list.build(particles.position);
+  if (sleep.enabled()) sleep.set_neighbours(list);
   displacement = 0, list_steps = 1;
 }
 
@@ -172,6 +194,12 @@ void SphInfill::Impl::prepare(const Vec3Array* impulse, double window) {
   sleep.set_neighbours(list, list.complete(particles.position, sleep.moving()));
   sleep.choose(particles, impulse, window);
   sleep.set_neighbours(list, list.complete(particles.position, sleep.computed()));
+}
+
+void SphInfill::Impl::choose_sleepers(const Vec3Array* impulse, double window) {
+  if (!sleep.enabled()) return;
+  sleep.find_moving();
+  sleep.choose(particles, impulse, window, own_kicks ? steps.kicks() : ParticleKicks{});
 }
 
 void SphInfill::Impl::report_invalid_stress() const {

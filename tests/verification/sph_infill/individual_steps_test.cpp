@@ -261,11 +261,5 @@ TEST(IndividualSteps, OtherThanPowersOfTwoUpToSixteenAreRefused) {
   for (const int wrong : {0, 3, 32}) EXPECT_THROW(IndividualSteps(wrong, 0.8, 100), InputError) << wrong;
 }
 
-TEST(IndividualSteps, AndSleepTogetherAreRefused) {
-  SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
-  settings.sleep_tolerance = 1e-4;
-  EXPECT_THROW(SphInfill(LayeredBlock::lattice_of(), LayeredBlock::materials(), settings), InputError);
-}
-
 }  // namespace
 }  // namespace tuft::sph
