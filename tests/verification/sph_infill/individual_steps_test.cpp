@@ -9,8 +9,8 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "sph_infill/individual_steps.h"
-#include "tests/unit/sph_infill/sph_test_support.h"
 #include "tests/verification/sph_infill/cases/same_bits.h"
+#include "tests/verification/sph_infill/cases/stiff_and_soft.h"
 
 namespace tuft::sph {
 namespace {
@@ -25,18 +25,9 @@ struct LayeredBlock {
 
   LayeredBlock(int individual_steps, test::Preset preset, bool viscosity, double safety = 0.8)
       : lattice(lattice_of()),
-        infill(lattice, materials(), settings_of(individual_steps, preset, viscosity, safety)) {}
+        infill(lattice, test::stiff_and_soft(), settings_of(individual_steps, preset, viscosity, safety)) {}
 
-  static Lattice lattice_of() {
-    Turf turf;
-    turf.layers = {{0, stiff_rows * pitch}, {1, soft_rows * pitch}};
-    return make_lattice(turf, {{width * pitch, width * pitch}, 0}, pitch);
-  }
-  static std::vector<Material> materials() {
-    std::vector<Material> both = test::single_material(test::elastic_material(50e6, 1500));
-    both.push_back(test::single_material(test::elastic_material(1e6, 600)).front());
-    return both;
-  }
+  static Lattice lattice_of() { return test::stiff_under_soft(width, stiff_rows, soft_rows, pitch); }
   static SphSettings settings_of(int individual_steps, test::Preset preset, bool viscosity,
                                  double safety = 0.8) {
     SphSettings settings;
@@ -211,7 +202,7 @@ TEST(IndividualSteps, OfAFallingBlockAreThoseOfFreeFall) {
   Lattice lattice = LayeredBlock::lattice_of();
   SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
   settings.gravity = {0, 0, -9.81};
-  SphInfill infill(lattice, LayeredBlock::materials(), settings);
+  SphInfill infill(lattice, test::stiff_and_soft(), settings);
   double time = 0;
   for (int k = 0; k < 203; ++k) {
     const double dt = (k < 100 ? 0.7 : 0.4) * infill.stable_step();  // the step changes under way
@@ -228,7 +219,7 @@ TEST(IndividualSteps, FallAsFarWhereKicksAreCutShortToHaveEnergiesOfOneMoment) {
   settings.gravity = {0, 0, -9.81};
   settings.kick_length = KickLength::step_begun;
   const Lattice lattice = LayeredBlock::lattice_of();
-  SphInfill infill(lattice, LayeredBlock::materials(), settings);
+  SphInfill infill(lattice, test::stiff_and_soft(), settings);
   const double dt = 0.7 * infill.stable_step();
   const int steps = 800;
   int current = 0;

@@ -8,15 +8,15 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "tests/unit/sph_infill/sph_test_support.h"
 #include "tests/verification/sph_infill/cases/same_bits.h"
+#include "tests/verification/sph_infill/cases/stiff_and_soft.h"
 
 namespace tuft::sph {
 namespace {
 
-constexpr double pitch = 0.002, soft_modulus = 1e6, soft_density = 600, tolerance = 1e-5;
+constexpr double pitch = 0.002, tolerance = 1e-5;
 constexpr int width = 8, stiff_rows = 8, soft_rows = 52;
-const double soft_speed = std::sqrt(soft_modulus * 5 / 3 / soft_density);
+const double soft_speed = std::sqrt(test::soft_modulus * 5 / 3 / test::soft_density);
 
 /// A free column: 8 rows of a stiff elastic material (50 MPa) under 52 of a soft one, at rest. A block is
 /// four rows of it.
@@ -26,7 +26,8 @@ struct Column {
   double dt;
 
   explicit Column(double sleep_tolerance, const Vec3& gravity = {0, 0, 0}, int steps = 8)
-      : lattice(lattice_of()), infill(lattice, materials(), [&] {
+      : lattice(test::stiff_under_soft(width, stiff_rows, soft_rows, pitch)),
+        infill(lattice, test::stiff_and_soft(), [&] {
           SphSettings settings;
           settings.options = test::options_of(test::Preset::accurate, pitch);
           settings.gravity = gravity;
@@ -37,16 +38,6 @@ struct Column {
           return settings;
         }()) {
     dt = 0.6 * infill.stable_step();
-  }
-  static Lattice lattice_of() {
-    Turf turf;
-    turf.layers = {{0, stiff_rows * pitch}, {1, soft_rows * pitch}};
-    return make_lattice(turf, {{width * pitch, width * pitch}, 0}, pitch);
-  }
-  static std::vector<Material> materials() {
-    std::vector<Material> both = test::single_material(test::elastic_material(50e6, 1500));
-    both.push_back(test::single_material(test::elastic_material(soft_modulus, soft_density)).front());
-    return both;
   }
   [[nodiscard]] std::size_t size() const { return lattice.position.size(); }
   [[nodiscard]] double height(std::size_t i) const { return lattice.position.z[i] / pitch; }
@@ -73,7 +64,7 @@ struct Column {
   void stand(int steps) {
     for (int k = 0; k < steps; ++k)
       advance_under([](std::size_t i, const ParticleView& p) -> Vec3 {
-        const double overlap = p.radius[i] - p.z[i], stiffness = 10 * soft_modulus * pitch;
+        const double overlap = p.radius[i] - p.z[i], stiffness = 10 * test::soft_modulus * pitch;
         if (overlap <= 0) return {0, 0, 0};
         return {0, 0, stiffness * overlap - 0.2 * std::sqrt(stiffness * p.mass[i]) * p.vz[i]};
       });
