@@ -1,14 +1,15 @@
 #pragma once
-/// A stiff elastic material (50 MPa) and a soft one (1 MPa), whose stable steps differ four and a half times.
+/// A stiff elastic material (50 MPa) and a soft one.
 #include <vector>
 
 #include "tests/unit/sph_infill/sph_test_support.h"
 
 namespace tuft::sph::test {
 
-inline constexpr double soft_modulus = 1e6, soft_density = 600;  ///< Pa, bulk; kg/m^3
+inline constexpr double soft_density = 600;  ///< kg/m^3
 
-inline std::vector<Material> stiff_and_soft() {
+/// soft_modulus: Pa, bulk. With 1 MPa stable steps differ four and a half times, with a quarter of it nine.
+inline std::vector<Material> stiff_and_soft(double soft_modulus = 1e6) {
   std::vector<Material> both = single_material(elastic_material(50e6, 1500));
   both.push_back(single_material(elastic_material(soft_modulus, soft_density)).front());
   return both;
