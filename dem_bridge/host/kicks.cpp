@@ -13,8 +13,8 @@ namespace {
 /// A kick of LIGGGHTS' grains, of a step that is under way (`in_run`) or between two runs.
 ///
 /// In a run what is added goes to the forces, for both half kicks are to come. Between runs it goes to the
-/// velocities as a whole: LIGGGHTS still makes its second half kick under the forces that it has, and arrays
-/// that need not be written are half of the memory that a kick goes through.
+/// velocities as a whole: LIGGGHTS still makes its second half kick under the forces that it has, and those
+/// need not be written.
 struct Kick {
   double *velocity, *spin, *force, *torque;  // rows of three, one behind the other
   const double *mass, *radius;
@@ -258,10 +258,7 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
                     load3(shared.gravity.data()), in_run};
     const auto expelled = memory.array(SharedArrays::expelled);
     LoadCursor cursor(memory.loads());
-    if (!clumps->empty()) {
-      kick_clumps(in_run, sums);
-      cursor = LoadCursor(memory.loads());
-    }
+    if (!clumps->empty()) kick_clumps(in_run, sums);
     if (clumps->empty() && in_our_order()) {
       std::size_t first = 0;
       const auto kick_up_to = [&](std::size_t end) {
