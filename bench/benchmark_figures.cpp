@@ -43,6 +43,7 @@ constexpr std::array definitions{
     Definition{"soil_strength_softening", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_strength_recovery", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_strength_rate", "point-updates/s", "point_updates", Pick::largest},
+    Definition{"soil_inertial_friction", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_dilation", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_shear_energy", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_all_effects", "point-updates/s", "point_updates", Pick::largest},

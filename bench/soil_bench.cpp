@@ -32,6 +32,7 @@ SoilLaw bench_law(const SoilEffects& effects) {
   m.strength_softening = StrengthSoftening{0.05, 0.2, 0.8};
   m.strength_recovery = StrengthRecovery{0.5, 0.02};
   m.strength_rate = StrengthRate{0.05, 0.1};
+  m.inertial_friction = InertialFriction{0.7, 0.279, 0.001, 2450};
   m.dilation_angle = 0.15;
   return make_soil_law(m, true, effects);
 }
@@ -104,6 +105,9 @@ void soil_strength_recovery(benchmark::State& state) {
 void soil_strength_rate(benchmark::State& state) {
   measure(state, {.strength_rate = true});
 }
+void soil_inertial_friction(benchmark::State& state) {
+  measure(state, {.inertial_friction = true});
+}
 void soil_dilation(benchmark::State& state) {
   measure(state, {.dilation = true}, 0.03);
 }
@@ -111,7 +115,7 @@ void soil_shear_energy(benchmark::State& state) {
   measure(state, {.shear_energy = true});
 }
 void soil_all_effects(benchmark::State& state) {
-  measure(state, {true, true, true, true, true, true}, 0.03);
+  measure(state, {true, true, true, true, true, true, true}, 0.03);
 }
 
 BENCHMARK(soil_law)->Arg(1)->Arg(2)->UseRealTime();
@@ -119,6 +123,7 @@ BENCHMARK(soil_density_hardening)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_strength_softening)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_strength_recovery)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_strength_rate)->Arg(1)->Arg(2)->UseRealTime();
+BENCHMARK(soil_inertial_friction)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_dilation)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_shear_energy)->Arg(1)->Arg(2)->UseRealTime();
 BENCHMARK(soil_all_effects)->Arg(1)->Arg(2)->UseRealTime();

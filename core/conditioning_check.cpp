@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -22,6 +23,15 @@ void check_roller(const Scene& scene, const Places& places) {
                 fmt::format("studs would reach {} below the surface of an infill of {}; make it or "
                             "conditioning.roller.stud_length less",
                             in_mm(reach), in_mm(scene.infill_depth())));
+  // Every grain is checked against each of them.
+  constexpr double most = 2000;
+  const double studs =
+      roller.studs_around * std::max(1.0, std::floor(scene.turf.size[1] / roller.stud_spacing));
+  if (studs > most)
+    places.fail(
+        "conditioning.roller.stud_spacing",
+        fmt::format("{} on a roller {} long, with {} around it, makes {:.3g} studs; {} are the most",
+                    in_mm(roller.stud_spacing), in_mm(scene.turf.size[1]), roller.studs_around, studs, most));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ struct EffectName {
   std::string_view name, meaning;
 };
 
-inline constexpr std::array<EffectName, 19> named_effects{{
+inline constexpr std::array<EffectName, 20> named_effects{{
     {"fibres", "strands of the carpet"},
     {"backing", "the sheet that strands stand in; off: a rigid floor at its height"},
     {"friction_rate", "friction that changes with sliding speed"},
@@ -27,6 +27,7 @@ inline constexpr std::array<EffectName, 19> named_effects{{
     {"strength_softening", "strength that the infill loses by shearing (sph)"},
     {"strength_recovery", "lost strength that comes back with time or compression (sph)"},
     {"strength_rate", "strength that grows with the rate of shear (sph)"},
+    {"inertial_friction", "friction that grows with the inertial number of a flow (sph)"},
     {"dilation", "shear that loosens compacted infill (sph)"},
     {"shear_energy", "elastic shear that keeps its energy when the shear modulus changes (sph)"},
 }};

@@ -225,6 +225,14 @@ Need need_strength_rate(const Scene& scene) {
   return {true, "strength of " + name + " grows with the rate of shear (strength_rate)"};
 }
 
+Need need_inertial_friction(const Scene& scene) {
+  const std::string name = first_continuum(scene, [](const SoilFoamMaterial& m) {
+    return m.inertial_friction && m.inertial_friction->increase > 0;
+  });
+  if (name.empty()) return {false, "no material has a continuum.inertial_friction"};
+  return {true, "friction of " + name + " grows with the inertial number (inertial_friction)"};
+}
+
 Need need_dilation(const Scene& scene) {
   const std::string name =
       first_continuum(scene, [](const SoilFoamMaterial& m) { return m.dilation_angle > 0; });
@@ -267,6 +275,7 @@ constexpr std::array<EffectRule, effect_names.size()> rules{{
     {"strength_softening", Approach::sph, need_strength_softening},
     {"strength_recovery", Approach::sph, need_strength_recovery},
     {"strength_rate", Approach::sph, need_strength_rate},
+    {"inertial_friction", Approach::sph, need_inertial_friction},
     {"dilation", Approach::sph, need_dilation},
     {"shear_energy", Approach::sph, need_shear_energy, usable_shear_energy},
 }};

@@ -113,6 +113,15 @@ struct StrengthRate {
   double reference = 0;    ///< 1/s, > 0
 };
 
+/// Strength times 1 + increase I/(I + inertial_number), I = rate d sqrt(rho_s/p) (Jop, Forterre & Pouliquen
+/// 2006), rate: plastic shear strain rate.
+struct InertialFriction {
+  double increase = 0;         ///< > 0, mu_2/mu_s - 1: the most that fast flow adds
+  double inertial_number = 0;  ///< > 0, where half of it is reached
+  double grain_diameter = 0;   ///< m, > 0
+  double grain_density = 0;    ///< kg/m^3, > 0, of the solid
+};
+
 /// Infill as a continuum: soil and foam (PHYSICS: Krieg; LS-DYNA MAT_005). Compression positive here.
 struct SoilFoamMaterial {
   double density = 0;         ///< kg/m^3 in bulk as placed (reference state, zero strain)
@@ -132,6 +141,7 @@ struct SoilFoamMaterial {
   std::optional<StrengthSoftening> strength_softening = {};
   std::optional<StrengthRecovery> strength_recovery = {};
   std::optional<StrengthRate> strength_rate = {};
+  std::optional<InertialFriction> inertial_friction = {};
   double dilation_angle = 0;  ///< rad, [0, pi/2): plastic expansion over plastic shear strain is its tangent
 };
 

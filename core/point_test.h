@@ -14,9 +14,9 @@
 namespace tuft {
 
 /// The effects that a point has.
-inline constexpr std::array<std::string_view, 7> point_effect_names{
+inline constexpr std::array<std::string_view, 8> point_effect_names{
     "tension_cutoff", "density_hardening", "strength_softening", "strength_recovery",
-    "strength_rate",  "dilation",          "shear_energy"};
+    "strength_rate",  "inertial_friction", "dilation",           "shear_energy"};
 
 /// How a segment moves; stresses and strains are positive in compression, z is the axis.
 enum class PathKind {

@@ -101,6 +101,19 @@ void describe_continuum_options(KeyVisitor& keys, SoilFoamMaterial& material) {
         inside.quantity(required("reference", "shear strain rate from which on strength grows"),
                         law.reference, "Hz", positive);
       });
+  keys.optional_table<InertialFriction>(
+      {"inertial_friction",
+       "effect inertial_friction: strength times 1 + increase I/(I + inertial_number), I the inertial "
+       "number"},
+      material.inertial_friction, [](KeyVisitor& inside, InertialFriction& law) {
+        inside.number(required("increase", "the most that fast flow adds, mu_2/mu_s - 1"), law.increase,
+                      positive);
+        inside.number(required("inertial_number", "where half of that is reached"), law.inertial_number,
+                      positive);
+        inside.quantity(required("grain_diameter", "of the grains that flow"), law.grain_diameter, "m",
+                        positive);
+        inside.quantity(required("grain_density", "of their solid"), law.grain_density, "kg/m^3", positive);
+      });
 }
 
 void describe_continuum(KeyVisitor& keys, SoilFoamMaterial& material) {

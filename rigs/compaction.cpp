@@ -63,13 +63,11 @@ void Compaction::drive(std::uint64_t index, coupler::BuiltSimulation& built) con
     return;
   }
   const auto pass = static_cast<int>(index / cycle);
-  const bool last = index + schedule_.rest + 1 >= schedule_.conditioned();
   for (std::size_t k = 0; k < roller_->size(); ++k) {
-    // After its pass the roller turns and comes down for the next: beside the patch, where nothing is in its
-    // way.
+    // After a pass the roller turns and comes down for the next: beside the patch, where nothing is in its
+    // way. After the last it is taken away.
     const double share = static_cast<double>(at + 1) / static_cast<double>(press);
-    const Vec3 next =
-        at < press ? roller_->place(k, pass, share) : roller_->place(k, last ? pass : pass + 1, last ? 1 : 0);
+    const Vec3 next = at < press ? roller_->place(k, pass, share) : roller_->place(k, pass + 1, 0);
     const Vec3 now = simulation.bodies().at(built.plate + k).position;
     simulation.drive_body(built.plate + k, (next - now) / schedule_.interval);
   }

@@ -12,6 +12,7 @@ struct SoilEffects {
   bool strength_rate = false;
   bool dilation = false;
   bool shear_energy = false;
+  bool inertial_friction = false;
   bool operator==(const SoilEffects&) const = default;
 };
 
@@ -20,16 +21,16 @@ using SoilEffectsConstant = std::integral_constant<SoilEffects, effects>;
 
 namespace detail {
 
-inline constexpr unsigned soil_effect_count = 6;
+inline constexpr unsigned soil_effect_count = 7;
 
 constexpr unsigned code_of(const SoilEffects& e) {
   return unsigned{e.density_hardening} | unsigned{e.strength_softening} << 1 |
          unsigned{e.strength_recovery && e.strength_softening} << 2 | unsigned{e.strength_rate} << 3 |
-         unsigned{e.dilation} << 4 | unsigned{e.shear_energy} << 5;
+         unsigned{e.dilation} << 4 | unsigned{e.shear_energy} << 5 | unsigned{e.inertial_friction} << 6;
 }
 constexpr SoilEffects effects_of(unsigned code) {
   const auto bit = [code](unsigned b) { return (code >> b & 1U) != 0; };
-  return {bit(0), bit(1), bit(1) && bit(2), bit(3), bit(4), bit(5)};
+  return {bit(0), bit(1), bit(1) && bit(2), bit(3), bit(4), bit(5), bit(6)};
 }
 
 }  // namespace detail

@@ -189,6 +189,15 @@ void set_effects(const SoilFoamMaterial& material, const SoilEffects& on, SoilLa
     law.rate_coefficient = material.strength_rate->coefficient;
     law.rate_period = 1 / material.strength_rate->reference;
   }
+  if (on.inertial_friction && material.inertial_friction) {
+    const InertialFriction& given = *material.inertial_friction;
+    check_parameter(given.increase, "inertial_friction.increase", 0, false);
+    check_parameter(given.inertial_number, "inertial_friction.inertial_number", 0, false);
+    check_parameter(given.grain_diameter, "inertial_friction.grain_diameter", 0, false);
+    check_parameter(given.grain_density, "inertial_friction.grain_density", 0, false);
+    law.friction_increase = given.increase;
+    law.inertial_rate = given.inertial_number / (given.grain_diameter * std::sqrt(given.grain_density));
+  }
   if (on.dilation) {
     check_parameter(material.dilation_angle, "dilation_angle", 0, true);
     law.dilatancy = std::tan(material.dilation_angle);
@@ -309,11 +318,14 @@ bool is_left_compacted(const SoilLaw& law, ConditionedState state) {
 
 double yield_limit(const SoilLaw& law, const SoilState& state, double pressure, double shear_rate) {
   // Those that are off have neutral parameters.
-  constexpr SoilEffects all{true, true, true, true, true, true};
+  constexpr SoilEffects all{true, true, true, true, true, true, true};
   const StrainStep step{{}, {}, 1};
   const SymmetricTensor shear{0, 0, 0, 0.5 * shear_rate, 0, 0};
-  return yield_surface_of(LawOfPoint(law), strength_factors<all>(LawOfPoint(law), step, shear, state))
-      .limit(pressure);
+  StrengthFactorsOf<double> factors = strength_factors<all>(LawOfPoint(law), step, shear, state);
+  if (law.friction_increase > 0 && shear_rate > 0)
+    factors.both *= 1 + law.friction_increase * shear_rate /
+                            (shear_rate + law.inertial_rate * std::sqrt(std::max(0.0, pressure)));
+  return yield_surface_of(LawOfPoint(law), factors).limit(pressure);
 }
 
 double stored_energy(const SoilLaw& law, const SoilState& state) {
@@ -328,7 +340,8 @@ double stored_energy(const SoilLaw& law, const SoilState& state) {
 SoilEffects soil_effects_of(const std::vector<EffectDecision>& effects) {
   return {effect_on(effects, "density_hardening"), effect_on(effects, "strength_softening"),
           effect_on(effects, "strength_recovery"), effect_on(effects, "strength_rate"),
-          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy")};
+          effect_on(effects, "dilation"),          effect_on(effects, "shear_energy"),
+          effect_on(effects, "inertial_friction")};
 }
 
 double constrained_modulus(const SoilFoamMaterial& material, double pressure, const SoilEffects& effects) {

@@ -24,6 +24,9 @@
 ///   d(gamma)/strain with the plastic shear strain gamma; opening of a gap counts as gamma.
 /// - strength_recovery: d(lambda) = -lambda (dt/time + de/compression), de > 0.
 /// - strength_rate: sqrt(J2) at yield times 1 + C ln(1 + rate/reference), rate = sqrt(2 dev D : dev D).
+/// - inertial_friction: sqrt(J2) at yield times 1 + r I/(I + I0), I = gamma' d sqrt(rho_s/p) the inertial
+///   number of the plastic shear rate gamma' (Jop, Forterre & Pouliquen 2006: mu(I), r = mu_2/mu_s - 1),
+///   solved for within the step.
 /// - dilation: d(e_p) = -tan(psi) d(gamma), as long as p < P(e): a point on the curve of first loading is as
 ///   loose as it can be. First loading then begins where p meets P(e), not where e exceeds E.
 /// - shear_energy: s is scaled so that V J2/(2 G), the energy of elastic shear, stays as G and the volume V
@@ -53,8 +56,10 @@ struct SoilLaw {
   double recovery_rate = 0;                     ///< 1/s
   double recovery_by_compression = 0;           ///< 1 / compression
   double rate_coefficient = 0;
-  double rate_period = 0;  ///< s, 1 / reference rate
-  double dilatancy = 0;    ///< tan(psi)
+  double rate_period = 0;        ///< s, 1 / reference rate
+  double friction_increase = 0;  ///< r
+  double inertial_rate = 0;  ///< 1/(s sqrt(Pa)): I0/(d sqrt(rho_s)); times sqrt(p), the rate where I is I0
+  double dilatancy = 0;      ///< tan(psi)
 };
 
 /// State of one material point.
@@ -112,7 +117,7 @@ using SoilWork = SoilWorkOf<double>;
 [[nodiscard]] bool is_left_compacted(const SoilLaw& law, ConditionedState state);
 
 /// Largest J2 that a state would bear at a pressure, Pa^2, under a shear strain rate sqrt(2 dev D : dev D),
-/// 1/s.
+/// 1/s, all of it plastic.
 [[nodiscard]] double yield_limit(const SoilLaw& law, const SoilState& state, double pressure,
                                  double shear_rate = 0);
 

@@ -262,6 +262,29 @@ template <SoilEffects on, class Real, class Law>
   return f;
 }
 
+/// Factor on sqrt(J2) at yield by the inertial number (soil_law.h). The plastic shear x of the step solves
+///
+///     trial - G x = Y (1 + r x/(x + x0)), x0 = dt inertial_rate sqrt(p),
+///
+/// Y the strength without the factor: a quadratic with one root x >= 0, of which x/(x + x0) is wanted;
+/// written so that no x0 is divided by. So steps of any length are stable, and shear at a constant rate ends
+/// at mu(I) exactly. At p <= 0 any flow is fast.
+template <class Real, class Law>
+[[nodiscard]] Real inertial_factor(const Law& law, const Real& trial_root, const Real& strength,
+                                   const Real& shear_modulus, const Real& pressure, double duration) {
+  using std::sqrt;
+  const Real zero = 0, one = 1, two = 2;
+  if (duration == 0) return one;  // infinitely slow
+  const Real increase = law.value(&SoilLaw::friction_increase);
+  const Real reference =
+      Real(duration) * law.value(&SoilLaw::inertial_rate) * sqrt(select(pressure > zero, pressure, zero));
+  const Real excess = select(trial_root > strength, trial_root - strength, zero);
+  const Real b = shear_modulus * reference + strength * increase - excess;
+  const Real root = sqrt(b * b + Real(4) * shear_modulus * excess * reference);
+  const Real sum = two * excess + b + root;  // b >= -excess
+  return one + increase * (two * excess / select(sum > zero, sum, one));
+}
+
 /// Opens a yielding point at fixed density: pressure rises along the unloading curve, up to that of first
 /// loading. Returns the energy that expanding against the pressure takes, J/m^3.
 ///
@@ -326,7 +349,8 @@ void update_lost_strength(const Law& law, const Real& plastic_shear, const Real&
 template <SoilEffects on = SoilEffects{}, class Real, class Law>
 SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& step, SoilStateOf<Real>& state) {
   using std::sqrt;
-  constexpr bool plain_yield = !on.density_hardening && !on.strength_softening && !on.strength_rate;
+  constexpr bool plain_yield =
+      !on.density_hardening && !on.strength_softening && !on.strength_rate && !on.inertial_friction;
   const Real zero = 0, half = 0.5;
   const Real strain = -trace(step.strain);
   const SymmetricTensorOf<Real> strain_deviator = deviator(step.strain);
@@ -351,8 +375,12 @@ SoilWorkOf<Real> update_soil_state(const Law& law, const StrainStepOf<Real>& ste
   if constexpr (plain_yield && !on.dilation) {
     limit = select(pressure_step.torn, zero, yield_limit_of(law, state.pressure));
   } else {
-    const YieldSurfaceOf<Real> surface =
-        yield_surface_of(law, strength_factors<on>(law, step, strain_deviator, state));
+    StrengthFactorsOf<Real> factors = strength_factors<on>(law, step, strain_deviator, state);
+    if constexpr (on.inertial_friction)
+      factors.both *= inertial_factor(law, Real(sqrt(j2)),
+                                      Real(sqrt(yield_surface_of(law, factors).limit(state.pressure))),
+                                      Real(half * twice_shear_modulus), state.pressure, step.duration);
+    const YieldSurfaceOf<Real> surface = yield_surface_of(law, factors);
     limit = select(pressure_step.torn, zero, surface.limit(state.pressure));
     if constexpr (on.dilation) {
       expansion_work = dilate<on>(law, surface, sqrt(j2), half * twice_shear_modulus,

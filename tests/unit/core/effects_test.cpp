@@ -146,12 +146,16 @@ const std::string continuum = "materials.sbr.continuum.";
 
 TEST(Effects, OfTheSoilLawAreOnWhereAMaterialGivesTheirParameters) {
   for (const char* name : {"density_hardening", "strength_softening", "strength_recovery", "strength_rate",
-                           "dilation", "shear_energy"})
+                           "inertial_friction", "dilation", "shear_energy"})
     EXPECT_FALSE(decide(name, {}).on) << name;
   const Overrides hardening{{continuum + "density_hardening.modulus_exponent", "2"}},
       softening{{continuum + "strength_softening.strain", "0.1"}},
       rate{{continuum + "strength_rate.coefficient", "0.04"},
            {continuum + "strength_rate.reference", "1 Hz"}},
+      inertial{{continuum + "inertial_friction.increase", "0.7"},
+               {continuum + "inertial_friction.inertial_number", "0.3"},
+               {continuum + "inertial_friction.grain_diameter", "1 mm"},
+               {continuum + "inertial_friction.grain_density", "2450 kg/m^3"}},
       dilation{{continuum + "dilation_angle", "5 degree"}};
   EXPECT_THAT(decide("density_hardening", hardening).why, HasSubstr("sbr"));
   EXPECT_TRUE(decide("density_hardening", hardening).on);
@@ -159,6 +163,7 @@ TEST(Effects, OfTheSoilLawAreOnWhereAMaterialGivesTheirParameters) {
   EXPECT_TRUE(decide("strength_softening", softening).on);
   EXPECT_FALSE(decide("strength_recovery", softening).on);
   EXPECT_TRUE(decide("strength_rate", rate).on);
+  EXPECT_TRUE(decide("inertial_friction", inertial).on);
   EXPECT_TRUE(decide("dilation", dilation).on);
   Overrides recovery = softening;
   recovery.emplace_back(continuum + "strength_recovery.time", "2 s");
@@ -202,6 +207,8 @@ TEST(Effects, SwitchedOnWithNothingToActOnAreRefusedByName) {
               HasSubstr("no strength is lost"));
   EXPECT_THAT(said({{"effects.strength_rate", "true"}}),
               HasSubstr("no material has a continuum.strength_rate"));
+  EXPECT_THAT(said({{"effects.inertial_friction", "true"}}),
+              HasSubstr("no material has a continuum.inertial_friction"));
   EXPECT_THAT(said({{"effects.dilation", "true"}}), HasSubstr("dilation_angle above 0"));
   EXPECT_EQ(said({{"effects.shear_energy", "true"}}), "")
       << "unloading moduli of the materials follow pressure";

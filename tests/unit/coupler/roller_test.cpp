@@ -1,10 +1,13 @@
 #include "coupler/roller.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "core/error.h"
 #include "core/scene_reader.h"
 
 namespace tuft::coupler {
@@ -38,6 +41,23 @@ TEST(Roller, ComesToTheDepthAskedForWithItsLastPass) {
   for (int pass = 0; pass < 4; ++pass)
     EXPECT_NEAR(roller.place(0, pass, 0.5).z() - 0.5 * scene.conditioning.roller.diameter,
                 surface - scene.conditioning.depth * (pass + 1) / 4, 1e-12);
+}
+
+TEST(Roller, OfMoreThanTwoThousandStudsIsRefusedByTheirNumber) {
+  const double width = rolled().turf.size[1];
+  const auto spacing = [&](int rings) {
+    return Overrides{{"conditioning.roller.studs_around", "100"},
+                     {"conditioning.roller.stud_spacing", fmt::format("{:.17g} m", width / (rings + 0.5))}};
+  };
+  EXPECT_EQ(Roller(rolled(spacing(20))).size(), 1u + 2000);
+  try {
+    (void)rolled(spacing(21));
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("conditioning.roller.stud_spacing"), std::string::npos) << said;
+    EXPECT_NE(said.find("makes 2.1e+03 studs; 2000 are the most"), std::string::npos) << said;
+  }
 }
 
 TEST(Roller, RollsWithoutSliding) {

@@ -35,10 +35,9 @@ double strength(const SoilLaw& law, SoilState state, double rate = 0) {
 
 using test::mixture_with_effects;
 
-constexpr SoilEffects hardening{true, false, false, false, false, false},
-    softening{false, true, false, false, false, false}, recovery{false, true, true, false, false, false},
-    rate{false, false, false, true, false, false}, dilation{false, false, false, false, true, false},
-    shear_energy{false, false, false, false, false, true};
+constexpr SoilEffects hardening{.density_hardening = true}, softening{.strength_softening = true},
+    recovery{.strength_softening = true, .strength_recovery = true}, rate{.strength_rate = true},
+    inertial{.inertial_friction = true}, dilation{.dilation = true}, shear_energy{.shear_energy = true};
 
 TEST(DensityHardening, CompactionRaisesModulusAndStrengthTogetherAndTheyStay) {
   const SoilFoamMaterial m = mixture_with_effects();
@@ -140,6 +139,73 @@ TEST(StrengthRate, GrowsWithTheLogarithmOfTheShearRate) {
     EXPECT_NEAR(strength(law, reference_state(law), gamma_rate),
                 slow * (1 + 0.05 * std::log1p(gamma_rate / 0.1)), 1e-9 * slow);
   EXPECT_NEAR(strength(law, reference_state(law), 0), slow, 1e-9 * slow) << "no duration: infinitely slow";
+}
+
+/// mu(I) of the parameters of mixture_with_effects, as a factor.
+double inertial_strength(double gamma_rate, double pressure) {
+  const double number = gamma_rate * 0.001 * std::sqrt(2450 / pressure);
+  return 1 + 0.7 * number / (number + 0.279);
+}
+
+TEST(InertialFriction, SteadyShearBearsMuOfTheInertialNumberAtAnyRatePressureAndStep) {
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, inertial), plain = make_soil_law(m);
+  for (const double compression : {1e-4, 0.02}) {
+    SoilState pressed = reference_state(law);
+    go_to(law, pressed, compression, 100);
+    const double slow = strength(plain, pressed);
+    EXPECT_NEAR(strength(law, pressed), slow, 1e-12 * slow) << "no duration: infinitely slow";
+    for (const double gamma_rate : {1e-3, 1.0, 100.0, 1e4, 1e7})
+      for (const double strain : {1e-5, 1e-3, 0.1}) {
+        SoilState state = pressed;
+        double before = 0;
+        for (int k = 0; k < 20000 && (k < 3 || root_j2(state) != before); ++k) {
+          before = root_j2(state);
+          update_soil(law, shear(strain, strain / gamma_rate), state);
+        }
+        const double expected = slow * inertial_strength(gamma_rate, pressed.pressure);
+        EXPECT_NEAR(root_j2(state), expected, 1e-9 * expected) << gamma_rate << " 1/s, steps of " << strain;
+        const double limit = yield_limit(law, pressed, pressed.pressure, gamma_rate);
+        EXPECT_NEAR(std::sqrt(limit), expected, 1e-9 * expected);
+      }
+  }
+}
+
+TEST(InertialFriction, AFastShearThatStopsRelaxesToTheStrengthAtRestAndNeverBelow) {
+  const SoilLaw law = make_soil_law(mixture_with_effects(), true, inertial);
+  SoilState state = reference_state(law);
+  go_to(law, state, 0.02, 100);
+  const double rest = std::sqrt(yield_limit(law, state, state.pressure));
+  for (int k = 0; k < 100; ++k) update_soil(law, shear(1e-3, 1e-6), state);
+  double before = root_j2(state);
+  ASSERT_GT(before, 1.2 * rest);
+  for (int k = 0; k < 3000; ++k) {
+    const SoilWork work = update_soil(law, shear(0, 1e-6), state);
+    ASSERT_LE(root_j2(state), before);
+    ASSERT_GE(root_j2(state), rest * (1 - 1e-12));
+    ASSERT_GE(work.dissipated, 0);
+    before = root_j2(state);
+  }
+  EXPECT_LT(before, 1.01 * rest);
+}
+
+TEST(InertialFriction, MultipliesWhatTheRateAddsAndTheOtherWayRound) {
+  SoilEffects both = inertial;
+  both.strength_rate = true;
+  const SoilFoamMaterial m = mixture_with_effects();
+  const SoilLaw law = make_soil_law(m, true, both), of_rate = make_soil_law(m, true, rate);
+  SoilState state = reference_state(law);
+  go_to(law, state, 0.02, 100);
+  const double expected = strength(of_rate, state, 100) * inertial_strength(100, state.pressure);
+  EXPECT_NEAR(strength(law, state, 100), expected, 1e-9 * expected);
+}
+
+TEST(InertialFriction, WithoutPressureAnyFlowIsFast) {
+  const SoilLaw law = make_soil_law(mixture_with_effects(), true, inertial);
+  SoilState state = reference_state(law);
+  const double cohesion = 20e3;
+  for (int k = 0; k < 1000; ++k) update_soil(law, shear(1e-3, 1), state);
+  EXPECT_NEAR(root_j2(state), 1.7 * cohesion, 1e-9 * cohesion);
 }
 
 TEST(Dilation, ShearedAtFixedDensityCompactedInfillPressesUpToFirstLoadingAndStops) {
@@ -250,7 +316,7 @@ TEST(ShearEnergy, WithoutItACycleOfShearAndPressureOutOfPhaseGainsEnergyWithItNo
 
 std::vector<SoilEffects> all_combinations() {
   std::vector<SoilEffects> all;
-  for (unsigned code = 0; code < 64; ++code)
+  for (unsigned code = 0; code < 1U << detail::soil_effect_count; ++code)
     if (detail::code_of(detail::effects_of(code)) == code) all.push_back(detail::effects_of(code));
   return all;
 }
@@ -290,7 +356,7 @@ TEST(SoilEffectsTogether, DissipateAndNeverReturnMoreThanWasPutIn) {
     EXPECT_GT(ledger.dissipated, 0) << combination;
     ++combination;
   }
-  EXPECT_EQ(combination, 48);
+  EXPECT_EQ(combination, 96);
 }
 
 TEST(SoilEffectsTogether, WorkLessDissipationIsTheEnergyOfTheStateWhereShearKeepsIts) {
@@ -336,6 +402,9 @@ TEST(SoilEffectsTogether, RejectParametersOutOfRangeByName) {
   m = mixture_with_effects();
   m.strength_rate->reference = 0;
   expect_rejected(m, rate, "strength_rate.reference is 0");
+  m = mixture_with_effects();
+  m.inertial_friction->grain_diameter = 0;
+  expect_rejected(m, inertial, "inertial_friction.grain_diameter is 0");
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ TEST(SoilLanes, FollowThemWithEachEffectAndWithAllOfThem) {
   expect_paths_of_single_points<SoilEffects{.strength_softening = true}>(m);
   expect_paths_of_single_points<SoilEffects{.strength_softening = true, .strength_recovery = true}>(m);
   expect_paths_of_single_points<SoilEffects{.strength_rate = true}>(m);
+  expect_paths_of_single_points<SoilEffects{.inertial_friction = true}>(m);
   expect_paths_of_single_points<SoilEffects{.dilation = true}>(m);
   expect_paths_of_single_points<SoilEffects{.shear_energy = true}>(m);
   expect_paths_of_single_points<all_soil_effects>(m);

@@ -49,10 +49,11 @@ inline SoilFoamMaterial mixture_with_effects() {
   m.strength_softening = StrengthSoftening{0.05, 0.2, 0.8};
   m.strength_recovery = StrengthRecovery{0.5, 0.02};
   m.strength_rate = StrengthRate{0.05, 0.1};
+  m.inertial_friction = InertialFriction{0.7, 0.279, 0.001, 2450};
   m.dilation_angle = 0.15;
   return m;
 }
-inline constexpr SoilEffects all_soil_effects{true, true, true, true, true, true};
+inline constexpr SoilEffects all_soil_effects{true, true, true, true, true, true, true};
 
 inline std::vector<Material> single_material(const SoilFoamMaterial& continuum) {
   Material material;

@@ -2,6 +2,8 @@
 /// convergence: tests/validation/sph_infill, docs/verification/sph.md.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/verification/sph_infill/cases/column_collapse.h"
 
 namespace tuft::sph {
@@ -35,6 +37,23 @@ TEST(PlaneColumn, OfFrictionTwoFallsOutsideTheBand) {
   const test::RunOutLaws band = test::published_run_out(false, 2);
   RecordProperty("run_out", testing::PrintToString(r.run_out));
   EXPECT_LT(r.run_out, 0.95 * band.low);
+}
+
+/// Slices of 4 and 8 particles, a third and two thirds of L0 thick: without the share that falls to them, the
+/// walls would take 22 % from the one and 11 % from the other.
+TEST(ColumnInAChannel, LosesTheSameShareOfItsRunOutToTheWallsHoweverThickTheSliceOfTheChannel) {
+  const auto kept = [](int slab) {
+    test::CollapseCase rough = test::beads_in_a_channel();
+    rough.particles = 12;
+    rough.slab = slab;
+    test::CollapseCase smooth = rough;
+    smooth.wall_friction = 0;
+    return test::column_collapse({}, rough).run_out / test::column_collapse({}, smooth).run_out;
+  };
+  const double thin = kept(4), thick = kept(8);
+  RecordProperty("kept", testing::PrintToString(std::array{thin, thick}));
+  EXPECT_NEAR(thin, thick, 0.05);
+  EXPECT_LT(thick, 0.9);
 }
 
 TEST(AxisymmetricColumn, OfAspectTwoRunsOutNearThePublishedLaw) {

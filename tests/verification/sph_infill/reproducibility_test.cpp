@@ -116,7 +116,8 @@ TEST(ReproducibilityOfSoilEffects, EachOfThemChangesWhatABlowDoes) {
   const double without = struck({});
   for (const SoilEffects& effects :
        {SoilEffects{.density_hardening = true}, SoilEffects{.strength_softening = true},
-        SoilEffects{.strength_rate = true}, SoilEffects{.dilation = true}, SoilEffects{.shear_energy = true}})
+        SoilEffects{.strength_rate = true}, SoilEffects{.dilation = true}, SoilEffects{.shear_energy = true},
+        SoilEffects{.inertial_friction = true}})
     EXPECT_GT(std::abs(struck(effects) - without), 1e-6 * without);
   EXPECT_NE(struck({.strength_softening = true, .strength_recovery = true}),
             struck({.strength_softening = true}));

@@ -86,6 +86,14 @@ SoilFoamMaterial dry_grains(double friction) {
   return m;
 }
 
+CollapseCase beads_in_a_channel() {
+  CollapseCase c;
+  c.friction = std::tan(22 * std::numbers::pi / 180);
+  c.wall_friction = 0.233;  // tan 13.1 degrees
+  c.channel = 0.45;
+  return c;
+}
+
 RunOutLaws published_run_out(bool axisymmetric, double a) {
   const double root = std::sqrt(a), power = std::cbrt(a * a);
   if (axisymmetric) {
@@ -97,15 +105,21 @@ RunOutLaws published_run_out(bool axisymmetric, double a) {
 
 CollapseResult column_collapse(const Numerics& numerics, const CollapseCase& c) {
   const double pitch = c.length / c.particles;
-  const auto materials = single_material(dry_grains(c.friction));
+  SoilFoamMaterial grains = dry_grains(c.friction);
+  grains.inertial_friction = c.inertial;
+  const auto materials = single_material(grains);
   const Lattice lattice = column(c, pitch);
-  SphInfill infill(lattice, materials, settings_of(numerics, pitch, {0, 0, -g}));
+  SphSettings settings = settings_of(numerics, pitch, {0, 0, -g});
+  settings.soil_effects.inertial_friction = c.inertial.has_value();
+  SphInfill infill(lattice, materials, settings);
   // The deepest overlap, of rho g H on the floor, is 0.4 % of a pitch.
   const double stiffness = 2 * constrained_modulus(*materials[0].continuum, 0) * pitch;
-  const FrictionPlane floor{{{0, 0, 0}, {0, 0, 1}, stiffness, 0.3}, c.friction};
-  std::vector<PenaltyPlane> walls{{{0, 0, 0}, {1, 0, 0}, stiffness, 0.1},
-                                  {{0, 0, 0}, {0, 1, 0}, stiffness, 0.1}};
-  if (!c.axisymmetric) walls.push_back({{0, c.slab * pitch, 0}, {0, -1, 0}, stiffness, 0.1});
+  const FrictionPlane floor{{{0, 0, 0}, {0, 0, 1}, stiffness, 0.3}, c.floor.value_or(c.friction)};
+  // The whole channel loses to its two walls what the slab, so much thinner, loses to its own.
+  const double of_sides = c.axisymmetric ? 0 : c.wall_friction * c.slab * pitch / (c.channel * c.length);
+  std::vector<FrictionPlane> walls{{{{0, 0, 0}, {1, 0, 0}, stiffness, 0.1}, 0},
+                                   {{{0, 0, 0}, {0, 1, 0}, stiffness, 0.1}, of_sides}};
+  if (!c.axisymmetric) walls.push_back({{{0, c.slab * pitch, 0}, {0, -1, 0}, stiffness, 0.1}, of_sides});
 
   CollapseResult result;
   EnergyLedger ledger;
@@ -118,7 +132,7 @@ CollapseResult column_collapse(const Numerics& numerics, const CollapseCase& c) 
     const double dt = step_with_walls(infill, stiffness);
     contact.linear.assign(n, 0);
     floor.push(p, dt, contact);
-    for (const PenaltyPlane& wall : walls) wall.push(p, dt, contact);
+    for (const FrictionPlane& wall : walls) wall.push(p, dt, contact);
     infill.advance(dt, 1, contact);
     const InfillEnergy e = infill.energy();
     if (result.time == 0) potential = e.gravity_potential;

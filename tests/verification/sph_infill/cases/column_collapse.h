@@ -17,9 +17,18 @@ struct CollapseCase {
   double aspect = 1;          ///< H0/L0
   double length = 0.1;        ///< m, L0: length from the back wall, or radius
   int particles = 10;         ///< along L0
-  double friction = 0.5774;   ///< tan phi of the material; and Coulomb's of the floor: 30 degrees
-  int slab = 6;               ///< particles between the side walls of the plane case
+  double friction = 0.5774;   ///< tan phi of the material: 30 degrees
+  std::optional<InertialFriction> inertial = {};  ///< of the material
+  std::optional<double> floor = {};               ///< Coulomb friction of the floor; none: `friction`
+  /// Of the side walls of a channel as wide as `channel` times L0, plane case: the slab, a slice of it, has
+  /// that part of their friction that falls to it.
+  double wall_friction = 0, channel = 1;
+  int slab = 6;  ///< particles between the side walls of the plane case
 };
+
+/// Glass beads of 22 degrees between the walls of a channel 0.45 L0 apart with friction tan 13.1 degrees:
+/// after Lajeunesse et al. 2005 and, for the walls, Jop et al. 2005 (literature, not seen first hand).
+[[nodiscard]] CollapseCase beads_in_a_channel();
 
 struct CollapseResult {
   double run_out = 0;                        ///< (L - L0)/L0; L: see column_collapse
@@ -32,10 +41,11 @@ struct CollapseResult {
   double close = 0;  ///< share of particles with another nearer than half a pitch, at the end
 };
 
-/// Plane: a slab `slab` particles thick between two frictionless walls (penalty planes) with a frictionless
-/// back wall, on a floor with Coulomb friction. A slice one particle thick would not be in plane strain, for
-/// its particles have no neighbours to resist them across; here stress builds up across the slab against the
-/// walls. Axisymmetric: a quarter cylinder between frictionless walls along its two planes of symmetry.
+/// Plane: a slab `slab` particles thick between two walls (penalty planes), frictionless or with their share
+/// of a channel's friction, and a frictionless back wall, on a floor with Coulomb friction. A slice one
+/// particle thick would not be in plane strain, for its particles have no neighbours to resist them across;
+/// here stress builds up across the slab against the walls. Axisymmetric: a quarter cylinder between
+/// frictionless walls along its two planes of symmetry.
 ///
 /// The floor's normal contact is a penalty spring with a dashpot. L is where the deposit, counted from the
 /// back in bins of L0/8 (of two pitches at least), first becomes thinner than L0/40; what lies beyond is
