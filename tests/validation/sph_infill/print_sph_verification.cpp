@@ -1,14 +1,10 @@
 // Writes docs/verification/sph.md: what the cases of tests/verification/sph_infill measure at more pitches
-// and with other numerics; and docs/images/sph_collapse.svg.
-#include <fmt/format.h>
-
+// and with other numerics.
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <numbers>
 
 #include "core/error.h"
-#include "tests/verification/sph_infill/cases/column_collapse.h"
+#include "tests/validation/sph_infill/print_columns.h"
 #include "tests/verification/sph_infill/cases/drawn_block.h"
 #include "tests/verification/sph_infill/cases/free_bodies.h"
 #include "tests/verification/sph_infill/cases/statics.h"
@@ -17,12 +13,6 @@
 namespace {
 
 using namespace tuft::sph::test;
-
-template <class... Values>
-void print(fmt::format_string<Values...> format, Values&&... values) {
-  fmt::print(format, std::forward<Values>(values)...);
-  std::fflush(stdout);
-}
 
 const char* name(Preset preset) {
   return preset == Preset::accurate ? "accurate" : "paper";
@@ -118,163 +108,6 @@ and spoil its later periods; its first quarter is right (0.999).
             r.free_velocity, r.free_stress, r.doubled_stress);
     }
 }
-
-// --- Collapse
-// -------------------------------------------------------------------------------------------------
-
-constexpr double thirty_degrees = 0.5774;
-
-struct Curve {
-  std::string label;
-  CollapseResult result;
-};
-
-void write_profiles(const std::string& path, const std::vector<Curve>& curves) {
-  const double scale = 90, left = 50, top = 20, height = 1.5 * scale, width = 7 * scale;
-  std::ofstream out(path);
-  out << fmt::format(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {}" font-family="sans-serif" font-size="12">)",
-      left + width + 20, top + height + 45);
-  out << R"(<rect width="100%" height="100%" fill="white"/>)";
-  const auto x_of = [&](double x) { return left + x * scale; };
-  const auto y_of = [&](double z) { return top + height - z * scale; };
-  for (int k = 0; k <= 7; ++k)
-    out << fmt::format(
-        R"(<line x1="{0:.1f}" y1="{1}" x2="{0:.1f}" y2="{2}" stroke="#ddd"/><text x="{0:.1f}" y="{3}" text-anchor="middle">{4}</text>)",
-        x_of(k), top, y_of(0), y_of(0) + 16, k);
-  for (int k = 0; k <= 1; ++k)
-    out << fmt::format(
-        R"(<line x1="{0}" y1="{1:.1f}" x2="{2}" y2="{1:.1f}" stroke="#ddd"/><text x="{3}" y="{4:.1f}" text-anchor="end">{5}</text>)",
-        left, y_of(k), left + width, left - 6, y_of(k) + 4, k);
-  out << fmt::format(
-      R"(<text x="{}" y="{}" text-anchor="middle">x / L0</text><text x="12" y="{}">z / L0</text>)",
-      left + width / 2, y_of(0) + 36, top + 4);
-  const std::array<const char*, 4> colour{"#4269d0", "#efb118", "#3ca951", "#ff725c"};
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    std::string points;
-    const CollapseResult& r = curves[c].result;
-    for (std::size_t k = 0; k < r.profile_x.size(); ++k)
-      points += fmt::format("{:.1f},{:.1f} ", x_of(r.profile_x[k]), y_of(r.profile_z[k]));
-    out << fmt::format(R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="2"/>)", points,
-                       colour[c % 4]);
-    out << fmt::format(R"(<text x="{}" y="{}" fill="{}">{}</text>)", left + width - 130,
-                       top + 18 + 18 * double(c), colour[c % 4], curves[c].label);
-  }
-  out << "</svg>\n";
-}
-
-CollapseResult collapse(double aspect, int particles, double friction, bool axisymmetric,
-                        const Numerics& numerics = {}) {
-  CollapseCase c;
-  c.aspect = aspect;
-  c.particles = particles;
-  c.friction = friction;
-  c.axisymmetric = axisymmetric;
-  return column_collapse(numerics, c);
-}
-
-/// particles: along L0, three times.
-void print_run_outs(bool axisymmetric, const std::array<int, 3>& particles,
-                    const std::vector<double>& aspects) {
-  for (const double aspect : aspects) {
-    const RunOutLaws laws = published_run_out(axisymmetric, aspect);
-    const std::string published =
-        axisymmetric ? fmt::format("{:.2f}", laws.low) : fmt::format("{:.2f} to {:.2f}", laws.low, laws.high);
-    print("| {} ", aspect);
-    for (const double zeta : {0.0, 0.05})
-      for (const int n : particles)
-        print("| {:.2f} ",
-              collapse(aspect, n, thirty_degrees, axisymmetric, {Preset::accurate, 0.3, zeta}).run_out);
-    print("| {} | {:.2f} |\n", published, collapse(aspect, particles[1], 2, axisymmetric).run_out);
-  }
-}
-
-void print_heading(const std::array<int, 3>& n) {
-  print(
-      "| a | zeta 0, L0 of {} particles | {} | {} | zeta 0.05, {} | {} | {} | published | friction 2.0 ({}) "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|---|\n",
-      n[0], n[1], n[2], n[0], n[1], n[2], n[1]);
-}
-
-constexpr std::array<int, 3> plane_particles{8, 12, 20}, axisymmetric_particles{8, 11, 16};
-
-void print_plane_columns() {
-  print(R"(
-## Collapse of columns
-
-Dry grains after Bui et al. (2008): rho 2650 kg/m^3, K 0.7 MPa, Poisson's ratio 0.3 (assumed), no cohesion, no tension;
-30 degrees (assumed) unless said otherwise, the floor's Coulomb friction the same. L0 = 0.1 m. Plane: a slab 6 particles
-thick between two frictionless walls, so that stress builds up across it as in plane strain. Axisymmetric: a quarter
-between two walls of symmetry. Run-out (L - L0)/L0, L where the deposit becomes thinner than L0/40; default numerics.
-
-Published: plane, Lube et al. 2005, 1.2 a (a < 1.8), 1.9 a^(2/3) (a > 2.8); Lajeunesse et al. 2005, 1.8 a (a < 3),
-2.3 a^(2/3): the band; axisymmetric, Lube et al. 2004, 1.24 a (a < 1.7), 1.6 sqrt(a) (literature, not seen first hand).
-
-![Deposits of the plane columns](../images/sph_collapse.svg)
-
-Plane:
-
-)");
-  print_heading(plane_particles);
-  print_run_outs(false, plane_particles, {0.5, 1, 2, 4});
-}
-
-void print_axisymmetric_columns() {
-  print("\nAxisymmetric:\n\n");
-  print_heading(axisymmetric_particles);
-  print_run_outs(true, axisymmetric_particles, {0.5, 1, 2, 4});
-}
-
-void print_deposits() {
-  print(R"(
-Deposits of the plane columns with L0 of 16 particles: height of the surface at the back wall over L0, share of particles
-with another nearer than half a pitch. Published heights: Lube et al. 2005, a below 1.15, 0.65 a^0.4 above; Lajeunesse et al.
-2005, a below 0.7, a^(1/3) above (literature, not seen first hand). Particles come close though nothing pulls them together: a
-lattice that spreads to twice its length has rows half as far apart, and no force of a continuum sets that right. Walls
-add to it: a quarter of the particles next to them, an eighth of the others (a = 2, L0 of 10 particles).
-
-| a | height | published | nearer than half a pitch |
-|---|---|---|---|
-)");
-  std::vector<Curve> curves;
-  for (const double aspect : {0.5, 1.0, 2.0, 4.0}) {
-    curves.push_back({fmt::format("a = {}", aspect), collapse(aspect, 16, thirty_degrees, false)});
-    const double lube = aspect < 1.15 ? aspect : 0.65 * std::pow(aspect, 0.4),
-                 lajeunesse = aspect < 0.7 ? aspect : std::cbrt(aspect);
-    print("| {} | {:.2f} | {:.2f}, {:.2f} | {:.1f} % |\n", aspect, curves.back().result.height, lube,
-          lajeunesse, 100 * curves.back().result.close);
-  }
-  write_profiles("docs/images/sph_collapse.svg", curves);
-}
-
-void print_rods() {
-  print(R"(
-Bui et al.'s aluminium rods, 0.2 x 0.1 m (a = 0.5), 19.8 degrees: run-out with L0 of 10, 20 and 40 particles. The laws'
-band at a = 0.5, of grains with more friction, is 0.60 to 0.90.
-
-| alpha | zeta | 10 | 20 | 40 |
-|---|---|---|---|---|
-)");
-  for (const Numerics numerics : {Numerics{Preset::accurate}, Numerics{Preset::accurate, 0.3, 0.05}}) {
-    print("| {} | {} ", numerics.alpha, numerics.zeta);
-    for (const int particles : {10, 20, 40}) {
-      CollapseCase rods;
-      rods.length = 0.2;
-      rods.aspect = 0.5;
-      rods.friction = std::tan(19.8 * std::numbers::pi / 180);
-      rods.particles = particles;
-      print("| {:.2f} ", column_collapse(numerics, rods).run_out);
-    }
-    print("|\n");
-  }
-  print(R"(
-Run-outs grow as the pitch falls, for artificial viscosity is of the order of alpha c h: at a = 1, 10 particles without it run a
-quarter farther (last table). Columns this coarse and flat tell 30 degrees from 2.0 by a sixth only: half of such a column does not move, and what does is
-a few particles thick.
-)");
-}
-
 // --- Free bodies and tension
 // ----------------------------------------------------------------------------------
 
@@ -359,7 +192,7 @@ Column: run-out, a = 1, L0 of 10 particles (coarse). Drawn: smallest distance, a
             const DiscResult r = spinning_disc(n, {6, 3, 10, 0.1});
             return fmt::format("{:.3f}, {:.0e}, {:.4f}", r.out_of_shape, r.energy_error, r.kinetic);
           }),
-          cell([&] { return fmt::format("{:.2f}", collapse(1, 10, thirty_degrees, false, n).run_out); }),
+          cell([&] { return fmt::format("{:.2f}", run_out({}, 1, 10, n)); }),
           cell([&] { return fmt::format("{:.2f}", drawn_block(n, {}).smallest_distance); }));
   }
   print(R"(
@@ -378,123 +211,6 @@ What follows from the tables:
   preset clumps (2 to 6 % of the particles); the `paper` preset never does.
 )");
 }
-
-double run_out(CollapseCase c, double aspect, int particles, const Numerics& numerics = {}) {
-  c.aspect = aspect;
-  c.particles = particles;
-  return column_collapse(numerics, c).run_out;
-}
-
-std::string published_words(bool axisymmetric, double aspect) {
-  const RunOutLaws laws = published_run_out(axisymmetric, aspect);
-  return axisymmetric ? fmt::format("{:.2f}", laws.low)
-                      : fmt::format("{:.2f} to {:.2f}", laws.low, laws.high);
-}
-
-void print_fine_columns() {
-  print(R"(
-The same plane columns (30 degrees, zeta 0) at finer pitch, and those of friction 2.0:
-
-| a | L0 of 20 particles | 40 | more | published | friction 2.0 |
-|---|---|---|---|---|---|
-)");
-  const CollapseCase grains{.friction = std::tan(30 * std::numbers::pi / 180)}, stiff{.friction = 2};
-  for (const auto& [aspect, fine, finest] :
-       {std::tuple{0.5, 40, 80}, std::tuple{1.0, 40, 0}, std::tuple{2.0, 40, 0}, std::tuple{4.0, 0, 32}}) {
-    print("| {} | {:.2f} ", aspect, run_out(grains, aspect, 20));
-    print("| {} ", fine > 0 ? fmt::format("{:.2f}", run_out(grains, aspect, fine)) : "");
-    print("| {} ", finest > 0 ? fmt::format("{:.2f} ({})", run_out(grains, aspect, finest), finest) : "");
-    const int particles = aspect < 2 ? 40 : 20;
-    print("| {} | {:.2f} ({}) |\n", published_words(false, aspect), run_out(stiff, aspect, particles),
-          particles);
-  }
-  print(R"(
-Flat columns need the pitch, for little of them moves and that is thin: at 12 particles they are told from friction 2.0 by a sixth, at 40
-by a fifth, and at 80 they are at the band's edge. The tallest leave it at the top instead: from a = 2 to 4 run-outs grow as
-a^0.9. Balmforth & Kerswell 2005 report powers of 0.9 +- 0.1 in wide channels and 0.65 +- 0.05 in narrow ones, whose side walls hold
-back what is deep; the laws' 2/3 is that of narrow ones (literature, not seen first hand).
-)");
-}
-
-void print_channel() {
-  print(R"(
-Glass beads in a narrow channel, after Lajeunesse et al. 2005: 22 degrees, the beads' angle of repose; between side walls
-0.45 L0 apart (theirs were 45 mm) with friction tan 13.1 degrees (beads on glass, Jop et al. 2005). The slab is a slice of
-the channel and bears its share of the walls' friction. None of the three is adjusted (literature, not seen first hand).
-zeta 0; the last columns say what the walls do.
-
-| a | L0 of 12 particles | 20 | 40 (a = 4: 32) | published | friction 2.0 (12) | walls 0.9 L0 apart (20) | frictionless (20) |
-|---|---|---|---|---|---|---|---|
-)");
-  CollapseCase beads = beads_in_a_channel();
-  CollapseCase stiff = beads, wide = beads, smooth = beads;
-  stiff.friction = 2;
-  wide.channel = 0.9;
-  smooth.wall_friction = 0;
-  for (const double aspect : {0.5, 1.0, 2.0, 4.0})
-    print("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} |\n", aspect,
-          run_out(beads, aspect, 12), run_out(beads, aspect, 20),
-          run_out(beads, aspect, aspect > 2 ? 32 : 40), published_words(false, aspect),
-          run_out(stiff, aspect, 12), run_out(wide, aspect, 20), run_out(smooth, aspect, 20));
-  print(R"(
-So one material in one channel is within the band at all four aspect ratios at the finest pitch, and friction 2.0 is below it at all of
-them. It is not converged: run-outs still rise with pitch, by 5 to 18 % from 20 particles on, and at 20 a = 0.5 is below the band.
-The walls take a third from the tallest column and a tenth from the flattest; from a = 2 to 4 the power is 0.81, of frictionless walls 0.97. How wide
-the channel was over L0 in each experiment is not known here; twice as wide, a = 4 is a tenth above the band.
-)");
-}
-
-void print_inertial_columns() {
-  print(R"(
-Does friction that grows with the rate do the same (`inertial_friction`)? mu(I) from 25.5 to 36.5 degrees, I0 = 0.279,
-beads of 0.7 mm (Ionescu et al. 2015 for such channels; literature, not seen first hand), and 25.5 degrees alone; a floor of
-36.5 degrees under both, no walls, L0 of 16 particles, alpha 0.1, zeta 0.05:
-
-| a | 25.5 degrees | mu(I) | less by |
-|---|---|---|---|
-)");
-  const auto cone = [](double tangent) { return std::sqrt(dry_grains(tangent).yield_a2); };
-  const double slow = std::tan(25.5 * std::numbers::pi / 180), fast = std::tan(36.5 * std::numbers::pi / 180);
-  const CollapseCase constant{.friction = slow, .floor = fast};
-  CollapseCase inertial = constant;
-  inertial.inertial = tuft::InertialFriction{cone(fast) / cone(slow) - 1, 0.279, 0.7e-3, 2450};
-  for (const double aspect : {0.5, 1.0, 2.0, 4.0}) {
-    const Numerics thin{Preset::accurate, 0.1, 0.05};
-    const double without = run_out(constant, aspect, 16, thin), with = run_out(inertial, aspect, 16, thin);
-    print("| {} | {:.2f} | {:.2f} | {:.0f} % |\n", aspect, without, with, 100 * (1 - with / without));
-  }
-  print("\nIt takes 2 to 6 % from each, and is not what tells flat columns from tall ones.\n");
-}
-
-void print_round_columns() {
-  print(R"(
-Round columns have no side walls. At 22, 26 and 30 degrees, L0 of 16 particles, alpha 0.1, zeta 0.05:
-
-| a | 22 degrees | 26 | 30 | published |
-|---|---|---|---|---|
-)");
-  for (const double aspect : {0.5, 1.0, 2.0, 4.0}) {
-    print("| {} ", aspect);
-    for (const double degrees : {22.0, 26.0, 30.0})
-      print("| {:.2f} ",
-            run_out({.axisymmetric = true, .friction = std::tan(degrees * std::numbers::pi / 180)}, aspect,
-                    16, {Preset::accurate, 0.1, 0.05}));
-    print("| {} |\n", published_words(true, aspect));
-  }
-  print(
-      "\nAt finer pitch, 30 degrees, default numerics:\n\n| a | run-out (particles along L0) | published "
-      "|\n|---|---|---|\n");
-  const double thirty = std::tan(30 * std::numbers::pi / 180);
-  for (const auto& [aspect, particles] :
-       {std::pair{0.5, 40}, std::pair{1.0, 32}, std::pair{2.0, 24}, std::pair{4.0, 16}})
-    print("| {} | {:.2f} ({}) | {} |\n", aspect,
-          run_out({.axisymmetric = true, .friction = thirty}, aspect, particles), particles,
-          published_words(true, aspect));
-  print(
-      "\nThe flat ones are short by a fifth and a seventh, the tall ones within a tenth. With friction 2.0 "
-      "all are short by more than\na quarter (table above, and 0.40 for a = 0.5 with 40 particles).\n");
-}
-
 void print_disc() {
   print(R"(
 ## A spinning disc
@@ -544,9 +260,7 @@ zero-energy modes off) unless a table says otherwise.
 )");
   // One aspect ratio alone, to share the work among processes.
   if (argc > 2) {
-    const bool axisymmetric = std::string(argv[1]) == "axisymmetric";
-    print_run_outs(axisymmetric, axisymmetric ? axisymmetric_particles : plane_particles,
-                   {std::stod(argv[2])});
+    print_row_of_columns(std::string(argv[1]) == "axisymmetric", std::stod(argv[2]));
     return 0;
   }
   for (const auto& [section, run] : sections)
