@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/lanes.h"
-#ifdef __AVX512F__
+#ifdef __AVX__
 #include <immintrin.h>
 #endif
 
@@ -98,6 +98,9 @@ inline Pack to_pack(const Vector<float, lanes>& v) {
 #ifdef __AVX512F__
   if constexpr (lanes == 8) return std::bit_cast<Pack>(_mm512_cvtps_pd(v));  // GCC 12 makes four of it
 #endif
+#ifdef __AVX__
+  if constexpr (lanes == 4) return std::bit_cast<Pack>(_mm256_cvtps_pd(std::bit_cast<__m128>(v)));
+#endif
   return std::bit_cast<Pack>(__builtin_convertvector(v, Vector<double, lanes>));
 }
 
@@ -125,6 +128,17 @@ inline void load_four_columns(const float* table, std::size_t row_length, const 
 }
 
 }  // namespace detail
+
+/// Four values that lie side by side, of one particle.
+using Four = detail::Vector<double, 4>;
+
+[[nodiscard]] inline Four load_four_in_double(const float* first) {
+#ifdef __AVX__
+  return std::bit_cast<Four>(_mm256_cvtps_pd(_mm_loadu_ps(first)));  // GCC 12 makes four of it
+#else
+  return __builtin_convertvector(detail::load_four(first), Four);
+#endif
+}
 
 /// The first `columns` values (a multiple of 4) of the rows index[0] to index[lanes - 1].
 template <std::size_t columns, class T>

@@ -1,6 +1,7 @@
 #pragma once
 /// Functions of a Pack that the standard library has for one number alone, and what lets one template serve
-/// both.
+/// both. A template calls exp, expm1 and log1p by these names without `using std::exp`: that would hide them,
+/// and the standard library's own for packs, found in their place, take one lane after the other.
 ///
 /// Each follows from its series after reduction of the argument; within 3 units in the last place of the
 /// correctly rounded value for the ranges given (tests/unit/core/lane_math_test.cpp).
@@ -30,6 +31,22 @@ using PackBits = stdx::rebind_simd_t<std::int64_t, Pack>;
 }
 [[nodiscard]] inline bool any(const PackMask& which) {
   return stdx::any_of(which);
+}
+
+[[nodiscard]] inline bool all(bool which) {
+  return which;
+}
+[[nodiscard]] inline bool all(const PackMask& which) {
+  return stdx::all_of(which);
+}
+[[nodiscard]] inline double exp(double x) {
+  return std::exp(x);
+}
+[[nodiscard]] inline double expm1(double x) {
+  return std::expm1(x);
+}
+[[nodiscard]] inline double log1p(double x) {
+  return std::log1p(x);
 }
 
 namespace detail {

@@ -2,104 +2,11 @@
 #include <array>
 
 #include "sph_infill/individual_steps.h"
-#include "sph_infill/particle_packs.h"
+#include "sph_infill/pair_forces.h"
 #include "sph_infill/sph_infill.h"
 
 namespace tuft::sph {
 namespace {
-
-struct PairForces {
-  std::array<Pack, 3> stress{}, viscous{};  ///< N
-};
-
-/// The control of zero-energy modes (sph_loops.h), pair by pair.
-class ResidualForces {
- public:
-  ResidualForces(const Particles& p, const Index* own)
-      : records_(p.residual.data()), own_(load_records(records_, own)) {}
-
-  /// u: v_j - v_i. g: slope (x_i - x_j). Slopes may lack a factor, which the force lacks then.
-  void add(const Index* index, const Pack& slope, const Pack& volume, const std::array<Pack, 3>& u,
-           const std::array<Pack, 3>& g) {
-    const auto q = load_records(records_, index);
-    const Pack own_weight = volume * slope, weight = q[9] * slope;
-    for (std::size_t d = 0; d < 3; ++d) {
-      motion_[d] += own_weight * u[d];
-      neighbours_[d] += weight * u[d] + (q[3 * d] * g[0] + q[3 * d + 1] * g[1] + q[3 * d + 2] * g[2]);
-    }
-  }
-  /// gradient: sum_j V_j g_ij.
-  [[nodiscard]] Pack force(std::size_t d, const Pack& volume, const std::array<Pack, 3>& gradient) const {
-    return -(own_[9] * motion_[d] + own_[3 * d] * gradient[0] + own_[3 * d + 1] * gradient[1] +
-             own_[3 * d + 2] * gradient[2] + volume * neighbours_[d]);
-  }
-
- private:
-  const ResidualRecord* records_;
-  std::array<Pack, ResidualRecord::values> own_;
-  std::array<Pack, 3> motion_{}, neighbours_{};
-};
-
-/// The forces that a scene's effects call for; those that are not cost nothing.
-template <bool viscosity, bool zero_energy_control>
-struct Forces {
-  static constexpr bool viscous = viscosity, controlled = zero_energy_control,
-                        dissipative = viscous || controlled;
-};
-
-/// Viscosity (Monaghan 1992): pressure-like (-alpha c mu + beta mu^2)/rho on approaching pairs, mu = h
-/// u.d/(d^2 + 0.01 h^2). Means of rho and c of a pair are geometric, so that the pair's factor is a product
-/// of one number of each.
-template <class Chosen, class KernelType>
-PairForces sum_pair_forces(const KernelType kernel, const SphOptions& options, const NeighbourList& list,
-                           const Particles& p, std::size_t group) {
-  const auto own_index = indices_of_group(group, p.size());
-  const auto [xi, yi, zi, vxi, vyi, vzi, volume_i, inverse_mass_i] =
-      load_records(p.motion.data(), own_index.data());
-  const auto [qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz, linear_i, quadratic_i, unused_i] =
-      load_records(p.stress.data(), own_index.data());
-  const double h = options.smoothing_length, floor = 0.01 * h * h;
-  const Pack own_linear = options.viscosity_linear * h * linear_i,
-             own_quadratic = options.viscosity_quadratic * h * h * quadratic_i;
-  const NeighbourList::GroupRows rows = list.group(group);
-  std::array<Pack, 3> neighbours{}, gradient{};  // sum_j Q_j g_ij and sum_j V_j g_ij
-  PairForces force;
-  [[maybe_unused]] auto residual = [&] {
-    if constexpr (Chosen::controlled)
-      return ResidualForces(p, own_index.data());
-    else
-      return 0;
-  }();
-  for (std::size_t k = 0; k < rows.length; ++k) {
-    const Index* index = rows.first + k * lanes;
-    const auto [x, y, z, vx, vy, vz, volume, inverse_mass] = load_records(p.motion.data(), index);
-    const auto [nxx, nxy, nxz, nyx, nyy, nyz, nzx, nzy, nzz, linear, quadratic, unused] =
-        load_records(p.stress.data(), index);
-    const Pack dx = xi - x, dy = yi - y, dz = zi - z, distance_squared = dx * dx + dy * dy + dz * dz;
-    const Pack slope = kernel.slope_shape(distance_squared);
-    const Pack gx = slope * dx, gy = slope * dy, gz = slope * dz;
-    neighbours[0] += nxx * gx, neighbours[1] += nyx * gx, neighbours[2] += nzx * gx;
-    neighbours[0] += nxy * gy, neighbours[1] += nyy * gy, neighbours[2] += nzy * gy;
-    neighbours[0] += nxz * gz, neighbours[1] += nyz * gz, neighbours[2] += nzz * gz;
-    gradient[0] += volume * gx, gradient[1] += volume * gy, gradient[2] += volume * gz;
-    const Pack ux = vx - vxi, uy = vy - vyi, uz = vz - vzi;
-    if constexpr (Chosen::viscous) {
-      const Pack approach = ux * dx + uy * dy + uz * dz;
-      const Pack mu = stdx::max(Pack(0.0), approach) / (distance_squared + floor);
-      const Pack a = mu * (own_linear * linear + own_quadratic * quadratic * mu);
-      force.viscous[0] -= a * gx, force.viscous[1] -= a * gy, force.viscous[2] -= a * gz;
-    }
-    if constexpr (Chosen::controlled) residual.add(index, slope, volume, {ux, uy, uz}, {gx, gy, gz});
-  }
-  if constexpr (Chosen::controlled)
-    for (std::size_t d = 0; d < 3; ++d) force.viscous[d] += residual.force(d, volume_i, gradient);
-  force.stress = {qxx * gradient[0] + qxy * gradient[1] + qxz * gradient[2] + volume_i * neighbours[0],
-                  qyx * gradient[0] + qyy * gradient[1] + qyz * gradient[2] + volume_i * neighbours[1],
-                  qzx * gradient[0] + qzy * gradient[1] + qzz * gradient[2] + volume_i * neighbours[2]};
-  for (std::size_t d = 0; d < 3; ++d)
-    force.stress[d] *= kernel.slope_factor(), force.viscous[d] *= kernel.slope_factor();
-  return force;
-}
 
 /// KickSums of a block, lane by lane.
 struct PackSums {

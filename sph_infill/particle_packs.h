@@ -38,6 +38,17 @@ static_assert(block_size % lanes == 0);
   return index;
 }
 
+/// Pairs of a lane that loops take before they go over them again.
+inline constexpr std::size_t row_chunk = 32;
+
+/// Calls body(index, count) for the rows of a group, row_chunk entries of each at a time or fewer: entry k of
+/// lane l is index[k lanes + l].
+template <class Body>
+void for_chunks(const NeighbourList::GroupRows& rows, Body&& body) {
+  for (std::size_t k = 0; k < rows.length; k += row_chunk)
+    body(rows.first + k * lanes, std::min(row_chunk, rows.length - k));
+}
+
 /// `count` of the lanes are particles; the last pack of all may have fewer. The others repeat the first.
 [[nodiscard]] inline Pack load_lanes(const double* first, std::size_t count) {
   if (count >= lanes) return Pack(first, stdx::element_aligned);

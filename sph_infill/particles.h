@@ -26,12 +26,14 @@ struct alignas(64) MotionRecord {
 /// that momentum is kept as well as in double precision, and the power of the forces meets the stress power
 /// to 1e-7.
 struct alignas(64) StressRecord {
-  std::array<float, 9> v_sigma_b;  ///< V sigma B by rows, N m: the half of the pair force a particle brings
-  float viscous_linear,
-      viscous_quadratic;  ///< factors of the viscous pair force: sqrt(m V) sqrt(c), sqrt(m V)
-  float wave_speed;       ///< m/s
+  /// V sigma B by columns, N m: the half of the pair force a particle brings. Fourth rows are 0.
+  std::array<std::array<float, 4>, 3> v_sigma_b{};
+  /// Factors of the viscous pair force: sqrt(m V) sqrt(c), sqrt(m V).
+  float viscous_linear = 0, viscous_quadratic = 0;
+  float wave_speed = 0;  ///< m/s
+  float unused = 0;
 
-  static constexpr std::size_t values = 12, room = 16;
+  static constexpr std::size_t values = 16;
 };
 
 /// The records of the particles named, a lane each, as columns.
@@ -40,10 +42,9 @@ struct alignas(64) StressRecord {
   return load_columns<MotionRecord::values>(reinterpret_cast<const double*>(records), MotionRecord::values,
                                             index);
 }
-[[nodiscard]] inline std::array<Pack, StressRecord::values> load_records(const StressRecord* records,
-                                                                         const Index* index) {
-  return load_columns<StressRecord::values>(reinterpret_cast<const float*>(records), StressRecord::room,
-                                            index);
+/// Of them viscous_linear, viscous_quadratic, wave_speed and what is unused.
+[[nodiscard]] inline std::array<Pack, 4> load_viscous(const StressRecord* records, const Index* index) {
+  return load_columns<4>(&records->viscous_linear, StressRecord::values, index);
 }
 
 /// What the force loop reads where zero-energy modes are controlled; see sph_loops.h.

@@ -132,7 +132,13 @@ std::vector<CurvePiece> elastic_pieces(const SoilFoamMaterial& material,
   const auto add = [&](double start, double end, const LinearModulus& a, const LinearModulus& b) {
     const double middle = end < infinity ? (start + end) / 2 : 2 * start + 1;
     const LinearModulus& modulus = a.at(middle) >= b.at(middle) ? a : b;
-    pieces.push_back({strain, start, modulus.at(start), modulus.rate});
+    // Where one line of the modulus goes on, so does the piece: fewer are found quicker.
+    const auto goes_on = [&](const CurvePiece& last) {
+      const double slope = modulus.at(start);
+      return last.rate == modulus.rate && std::abs(last.derivative_at_value(start) - slope) <= 1e-13 * slope;
+    };
+    if (pieces.empty() || !goes_on(pieces.back()))
+      pieces.push_back({strain, start, modulus.at(start), modulus.rate});
     if (end < infinity) strain = pieces.back().argument(end);
   };
   for (std::size_t k = 0; k < starts.size(); ++k) {

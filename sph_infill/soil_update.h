@@ -1,6 +1,7 @@
 #pragma once
 /// One step of the soil law (soil_law.h), as templates over the number type: double for one point, Pack for
 /// as many points as there are lanes, each with its own law. No branch depends on a single lane's state.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -22,22 +23,27 @@ class LawOfPoint {
   const SoilLaw& law_;
 };
 
-/// The same for a law a lane.
+/// The same for a law a lane; quicker where all lanes have the same.
 class LawOfLanes {
  public:
-  explicit LawOfLanes(const std::array<const SoilLaw*, lanes>& law) : law_(law) {}
+  explicit LawOfLanes(const std::array<const SoilLaw*, lanes>& law)
+      : law_(law), alike_(std::ranges::all_of(law, [&](const SoilLaw* each) { return each == law[0]; })) {}
   [[nodiscard]] CurvePieceOf<Pack> virgin_piece(const Pack& e) const {
+    if (alike_) return law_[0]->virgin.piece(e);
     return gather_pieces([&](std::size_t l) -> const CurvePiece& { return law_[l]->virgin.piece(e[l]); });
   }
   [[nodiscard]] CurvePieceOf<Pack> elastic_piece(const Pack& strain) const {
+    if (alike_) return law_[0]->elastic.piece(strain);
     return gather_pieces(
         [&](std::size_t l) -> const CurvePiece& { return law_[l]->elastic.piece(strain[l]); });
   }
   [[nodiscard]] CurvePieceOf<Pack> elastic_piece_of_value(const Pack& p) const {
+    if (alike_) return law_[0]->elastic.piece_of_value(p);
     return gather_pieces(
         [&](std::size_t l) -> const CurvePiece& { return law_[l]->elastic.piece_of_value(p[l]); });
   }
   [[nodiscard]] Pack value(double SoilLaw::*parameter) const {
+    if (alike_) return law_[0]->*parameter;
     return Pack([&](auto lane) { return law_[lane]->*parameter; });
   }
 
@@ -52,6 +58,7 @@ class LawOfLanes {
   }
 
   const std::array<const SoilLaw*, lanes>& law_;
+  bool alike_;
 };
 
 /// Largest J2 at pressure p, Pa^2, >= 0.
@@ -133,7 +140,6 @@ template <class Real>
 /// Factor on the elastic moduli.
 template <SoilEffects on, class Real, class Law>
 [[nodiscard]] Real hardness_of(const Law& law, const Real& largest_compression) {
-  using std::exp;
   if constexpr (on.density_hardening)
     return exp(law.value(&SoilLaw::modulus_exponent) * largest_compression);
   else
@@ -242,8 +248,6 @@ template <SoilEffects on, class Real, class Law>
 [[nodiscard]] StrengthFactorsOf<Real> strength_factors(const Law& law, const StrainStepOf<Real>& step,
                                                        const SymmetricTensorOf<Real>& strain_deviator,
                                                        const SoilStateOf<Real>& state) {
-  using std::exp;
-  using std::log1p;
   using std::sqrt;
   StrengthFactorsOf<Real> f{Real(1), Real(1), Real(1)};
   if constexpr (on.density_hardening) {
@@ -334,7 +338,6 @@ template <SoilEffects on, class Real, class Law, class Mask>
 template <SoilEffects on, class Real, class Law, class Mask>
 void update_lost_strength(const Law& law, const Real& plastic_shear, const Real& strain, const Mask& torn,
                           double duration, SoilStateOf<Real>& state) {
-  using std::exp;
   const Real zero = 0;
   const Real opening = select(torn && strain < zero, -strain, zero);
   const Real kept = exp(-law.value(&SoilLaw::softening) * (plastic_shear + opening));

@@ -1,5 +1,6 @@
 /// Pass 1 of a step: velocity gradients, stresses and what the force pass needs of each particle.
 #include <cmath>
+#include <span>
 
 #include "sph_infill/gradient_correction.h"
 #include "sph_infill/individual_steps.h"
@@ -17,6 +18,45 @@ struct GradientSumsOf {
   SymmetricTensorOf<Real> mobility;
 };
 
+/// What the sums take of a pair, w = V_j times the shape of the kernel's slope.
+struct WeighedPair {
+  Pack dx, dy, dz;    ///< x_i - x_j
+  Pack wx, wy, wz;    ///< w (x_i - x_j)
+  Pack ux, uy, uz;    ///< v_j - v_i
+  Pack inverse_mass;  ///< of j
+};
+
+/// The three below go over the same pairs one after the other: all 24 sums at once would not stay in
+/// registers, of which processors without AVX-512 have 16.
+void add_moments(std::span<const WeighedPair> pairs, GradientSumsOf<Pack>& sums) {
+  GradientSumsOf<Pack> sum = sums;
+  SymmetricTensorOf<Pack>& m = sum.moment;
+  for (const WeighedPair& q : pairs) {
+    m.xx -= q.wx * q.dx, m.yy -= q.wy * q.dy, m.zz -= q.wz * q.dz;
+    m.xy -= q.wx * q.dy, m.yz -= q.wy * q.dz, m.zx -= q.wz * q.dx;
+    sum.gradient[0] += q.wx, sum.gradient[1] += q.wy, sum.gradient[2] += q.wz;
+  }
+  sums.moment = m, sums.gradient = sum.gradient;
+}
+void add_velocities(std::span<const WeighedPair> pairs, TensorOf<Pack>& velocity) {
+  TensorOf<Pack> v = velocity;
+  for (const WeighedPair& q : pairs) {
+    v.xx += q.ux * q.wx, v.xy += q.ux * q.wy, v.xz += q.ux * q.wz;
+    v.yx += q.uy * q.wx, v.yy += q.uy * q.wy, v.yz += q.uy * q.wz;
+    v.zx += q.uz * q.wx, v.zy += q.uz * q.wy, v.zz += q.uz * q.wz;
+  }
+  velocity = v;
+}
+void add_mobilities(std::span<const WeighedPair> pairs, SymmetricTensorOf<Pack>& mobility) {
+  SymmetricTensorOf<Pack> c = mobility;
+  for (const WeighedPair& q : pairs) {
+    const Pack nx = q.inverse_mass * q.wx, ny = q.inverse_mass * q.wy, nz = q.inverse_mass * q.wz;
+    c.xx += nx * q.wx, c.yy += ny * q.wy, c.zz += nz * q.wz;
+    c.xy += nx * q.wy, c.yz += ny * q.wz, c.zx += nz * q.wx;
+  }
+  mobility = c;
+}
+
 /// See GradientSums; a particle a lane.
 template <class KernelType>
 GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const NeighbourList& list,
@@ -24,39 +64,24 @@ GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const Neighbour
   const auto own_index = indices_of_group(group, p.size());
   const auto [xi, yi, zi, vxi, vyi, vzi, volume_i, inverse_mass_i] =
       load_records(p.motion.data(), own_index.data());
-  const NeighbourList::GroupRows rows = list.group(group);
   GradientSumsOf<Pack> sum;
-  SymmetricTensorOf<Pack>&m = sum.moment, &c = sum.mobility;
-  TensorOf<Pack>& v = sum.velocity;
-  // Loaded a pair ahead of the sums: a root and what leads to it would keep them waiting.
-  struct Pair {
-    Pack dx, dy, dz, w, ux, uy, uz, inverse_mass;
-  };
-  const auto pair_of = [&](std::size_t k) {
-    const auto [x, y, z, vx, vy, vz, volume, inverse_mass] =
-        load_records(p.motion.data(), rows.first + k * lanes);
-    const Pack dx = xi - x, dy = yi - y, dz = zi - z;
-    const Pack w = volume * kernel.slope_shape(dx * dx + dy * dy + dz * dz);
-    return Pair{dx, dy, dz, w, vx - vxi, vy - vyi, vz - vzi, inverse_mass};
-  };
-  if (rows.length == 0) return sum;
-  Pair next = pair_of(0);
-  for (std::size_t k = 0; k < rows.length; ++k) {
-    const auto [dx, dy, dz, w, ux, uy, uz, inverse_mass] = next;
-    next = pair_of(std::min(k + 1, rows.length - 1));
-    const Pack wx = w * dx, wy = w * dy, wz = w * dz;
-    m.xx -= wx * dx, m.yy -= wy * dy, m.zz -= wz * dz;
-    m.xy -= wx * dy, m.yz -= wy * dz, m.zx -= wz * dx;
-    v.xx += ux * wx, v.xy += ux * wy, v.xz += ux * wz;
-    v.yx += uy * wx, v.yy += uy * wy, v.yz += uy * wz;
-    v.zx += uz * wx, v.zy += uz * wy, v.zz += uz * wz;
-    sum.gradient[0] += wx, sum.gradient[1] += wy, sum.gradient[2] += wz;
-    const Pack nx = inverse_mass * wx, ny = inverse_mass * wy, nz = inverse_mass * wz;
-    c.xx += nx * wx, c.yy += ny * wy, c.zz += nz * wz;
-    c.xy += nx * wy, c.yz += ny * wz, c.zx += nz * wx;
-  }
+  std::array<WeighedPair, row_chunk> weighed;
+  for_chunks(list.group(group), [&](const Index* index, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y, z, vx, vy, vz, volume, inverse_mass] =
+          load_records(p.motion.data(), index + k * lanes);
+      const Pack dx = xi - x, dy = yi - y, dz = zi - z;
+      const Pack w = volume * kernel.slope_shape(dx * dx + dy * dy + dz * dz);
+      weighed[k] = {dx, dy, dz, w * dx, w * dy, w * dz, vx - vxi, vy - vyi, vz - vzi, inverse_mass};
+    }
+    const std::span<const WeighedPair> pairs(weighed.data(), count);
+    add_moments(pairs, sum);
+    add_velocities(pairs, sum.velocity);
+    add_mobilities(pairs, sum.mobility);
+  });
   const double factor = kernel.slope_factor();
-  m = factor * m, c = factor * factor * c, v = factor * v;
+  sum.moment = factor * sum.moment, sum.velocity = factor * sum.velocity;
+  sum.mobility = factor * factor * sum.mobility;
   for (Pack& g : sum.gradient) g *= factor;
   return sum;
 }
@@ -104,10 +129,12 @@ void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorO
   SymmetricTensorOf<Pack> force = state.deviator;
   force.xx -= state.pressure, force.yy -= state.pressure, force.zz -= state.pressure;
   const TensorOf<Pack> q = dot(volume * force, correction);
-  const std::array<const Pack*, 9> component{&q.xx, &q.xy, &q.xz, &q.yx, &q.yy, &q.yz, &q.zx, &q.zy, &q.zz};
+  const std::array<std::array<const Pack*, 3>, 3> column{
+      {{&q.xx, &q.yx, &q.zx}, {&q.xy, &q.yy, &q.zy}, {&q.xz, &q.yz, &q.zz}}};
   for (std::size_t l = 0; l < count; ++l) {
     StressRecord& record = p.stress[i + l];
-    for (std::size_t c = 0; c < 9; ++c) record.v_sigma_b[c] = static_cast<float>((*component[c])[l]);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t d = 0; d < 3; ++d) record.v_sigma_b[c][d] = static_cast<float>((*column[c][d])[l]);
     record.viscous_linear = static_cast<float>(viscous_linear[l]);
     record.viscous_quadratic = static_cast<float>(viscous_quadratic[l]);
     record.wave_speed = static_cast<float>(wave_speed[l]);
