@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -18,11 +19,23 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* prefix = "tuft-dem-";
 
-/// Takes the lock of a folder without waiting; -1 when someone holds it or there is none.
-int take_lock(const fs::path& folder, int flags) {
-  const int descriptor = ::open((folder / "lock").c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
+/// Takes the lock that a file is, without waiting; -1 when someone holds it or there is no such file.
+int take_lock(const fs::path& file, int flags = 0) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
   if (descriptor < 0) return -1;
   if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+/// Puts a lock into a new folder and returns its descriptor, -1 on failure. It is taken under another name,
+/// so that nobody ever finds it free under its own: between the making of a file and the taking of its lock
+/// another program's sweep would take the folder for one that belongs to nobody.
+int place_lock(const fs::path& folder) {
+  const fs::path unseen = folder / "lock.new";
+  const int descriptor = take_lock(unseen, O_CREAT | O_EXCL);
+  if (descriptor < 0) return -1;
+  if (::rename(unseen.c_str(), (folder / "lock").c_str()) == 0) return descriptor;
   ::close(descriptor);
   return -1;
 }
@@ -51,7 +64,7 @@ void remove_stale_folders(const fs::path& temporary) {
     if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
         status.st_uid != ::getuid())
       continue;
-    const int lock = take_lock(entry.path(), 0);
+    const int lock = take_lock(entry.path() / "lock");
     if (lock < 0) continue;
     remove_folder(entry.path());
     ::close(lock);
@@ -71,7 +84,12 @@ ScratchFolder::ScratchFolder() {
     throw_run_error("no folder can be made in {}: {}; set TMPDIR to a folder that can be written",
                     temporary.string(), std::strerror(errno));
   path_ = pattern;
-  lock_ = take_lock(path_, O_CREAT);
+  lock_ = place_lock(path_);
+  if (lock_ >= 0) return;
+  const int reason = errno;
+  remove_folder(path_);
+  throw_run_error("{} cannot be locked: {}; set TMPDIR to a folder on a local disk", path_.string(),
+                  std::strerror(reason));
 }
 
 ScratchFolder::~ScratchFolder() {
