@@ -26,6 +26,12 @@ using PackBits = stdx::rebind_simd_t<std::int64_t, Pack>;
   stdx::where(which, chosen) = yes;
   return chosen;
 }
+[[nodiscard]] inline SinglePack select(const SinglePack::mask_type& which, const SinglePack& yes,
+                                       const SinglePack& no) {
+  SinglePack chosen = no;
+  stdx::where(which, chosen) = yes;
+  return chosen;
+}
 [[nodiscard]] inline bool any(bool which) {
   return which;
 }

@@ -17,6 +17,13 @@ namespace stdx = std::experimental;
 using Pack = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = Pack::size();
 
+/// Eight single-precision numbers, on every processor: loops over pairs of particles take so many at once.
+inline constexpr std::size_t single_lanes = 8;
+using SinglePack = stdx::simd<float, stdx::simd_abi::deduce_t<float, single_lanes>>;
+static_assert(single_lanes % lanes == 0);
+/// Packs that the numbers of a SinglePack fill in double precision.
+inline constexpr std::size_t packs_of_single = single_lanes / lanes;
+
 /// Storage whose first value is aligned for whole-pack loads.
 template <class T>
 struct PackAllocator {

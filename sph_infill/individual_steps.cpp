@@ -30,8 +30,8 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
     for (std::size_t g = 0; g < values.size(); ++g) {
       if (values[g] > largest) continue;
       const NeighbourList::GroupRows rows = list.group(g);
-      for (std::size_t e = 0; e < rows.length * lanes; ++e) {
-        std::uint8_t& other = mine[static_cast<std::size_t>(rows.first[e]) / lanes];
+      for (std::size_t e = 0; e < rows.length * group_size; ++e) {
+        std::uint8_t& other = mine[static_cast<std::size_t>(rows.first[e]) / group_size];
         other = std::min(other, values[g]);
       }
     }
@@ -43,24 +43,23 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
 
 /// Inverse of the shortest stable step of the particles of a group and of all within reach, 1/s.
 float rate_around(double reach, const NeighbourList& list, const Particles& p, std::size_t group) {
-  const auto own_index = indices_of_group(group, p.size());
-  const auto of = [](const std::vector<double>& values, const Index* index) {
-    return Pack([&](std::size_t l) { return values[static_cast<std::size_t>(index[l])]; });
+  const auto own = indices_of_group(group, p.size());
+  const auto of = [](const auto& values, const Index* index) {
+    return Pack([&](std::size_t l) { return double(values[static_cast<std::size_t>(index[l])]); });
   };
-  const auto step_of = [&](const Index* index) {
-    return Pack([&](std::size_t l) { return double(p.own_step[static_cast<std::size_t>(index[l])]); });
-  };
-  const Pack xi = of(p.position.x, own_index.data()), yi = of(p.position.y, own_index.data()),
-             zi = of(p.position.z, own_index.data());
-  Pack shortest = step_of(own_index.data());
   const NeighbourList::GroupRows rows = list.group(group);
-  for (std::size_t k = 0; k < rows.length; ++k) {
-    const Index* index = rows.first + k * lanes;
-    const Pack dx = xi - of(p.position.x, index), dy = yi - of(p.position.y, index),
-               dz = zi - of(p.position.z, index);
-    const PackMask near = dx * dx + dy * dy + dz * dz < reach * reach;
-    shortest =
-        stdx::min(shortest, select(near, step_of(index), Pack(std::numeric_limits<double>::infinity())));
+  Pack shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t first = 0; first < group_size; first += lanes) {
+    const Index* i = &own[first];
+    const Pack xi = of(p.position.x, i), yi = of(p.position.y, i), zi = of(p.position.z, i);
+    shortest = stdx::min(shortest, of(p.own_step, i));
+    for (std::size_t k = 0; k < rows.length; ++k) {
+      const Index* j = rows.first + k * group_size + first;
+      const Pack dx = xi - of(p.position.x, j), dy = yi - of(p.position.y, j), dz = zi - of(p.position.z, j);
+      const PackMask near = dx * dx + dy * dy + dz * dz < reach * reach;
+      shortest =
+          stdx::min(shortest, select(near, of(p.own_step, j), Pack(std::numeric_limits<double>::infinity())));
+    }
   }
   return static_cast<float>(1 / smallest_lane(shortest));
 }
@@ -72,7 +71,7 @@ IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particl
   if (largest < 1 || largest > most || (largest & (largest - 1)) != 0)
     throw_input_error("numerics.individual_steps is {}; it must be 1, 2, 4, 8 or {}", largest, most);
   if (!enabled()) return;
-  const std::size_t count = (particles + lanes - 1) / lanes;
+  const std::size_t count = (particles + group_size - 1) / group_size;
   for (auto* values : {&period_, &kick_period_, &pace_}) values->assign(count, 1);
   steps_since_kick_.assign(count, 0);
   due_.assign(count, strained | kicked);
@@ -81,21 +80,21 @@ IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particl
 }
 
 int IndividualSteps::period_of(std::size_t particle) const {
-  return enabled() ? period_[particle / lanes] : 1;
+  return enabled() ? period_[particle / group_size] : 1;
 }
 
 int IndividualSteps::longest_period_of(std::size_t first, std::size_t end) const {
   if (!enabled()) return 1;
   const auto of = [&](std::size_t particle) {
-    return period_.begin() + static_cast<std::ptrdiff_t>(particle / lanes);
+    return period_.begin() + static_cast<std::ptrdiff_t>(particle / group_size);
   };
-  return *std::max_element(of(first), of(end + lanes - 1));
+  return *std::max_element(of(first), of(end + group_size - 1));
 }
 
 std::size_t IndividualSteps::kicked_particles(std::size_t first, std::size_t end) const {
   std::size_t count = 0;
-  for (; first < end; first += lanes)
-    if (is_kicked(first / lanes)) count += std::min(lanes, end - first);
+  for (; first < end; first += group_size)
+    if (is_kicked(first / group_size)) count += std::min(group_size, end - first);
   return count;
 }
 
@@ -103,7 +102,7 @@ void IndividualSteps::set_contact_rates(std::span<const float> rates) {
   if (!enabled()) return;
   for (std::size_t g = 0; g < groups(); ++g) {
     float largest = 0;
-    for (std::size_t i = g * lanes; i < std::min(particles_, (g + 1) * lanes); ++i)
+    for (std::size_t i = g * group_size; i < std::min(particles_, (g + 1) * group_size); ++i)
       largest = std::max(largest, rates[i]);
     contact_rate_[g] = largest;
   }
@@ -146,10 +145,10 @@ void IndividualSteps::shorten_to(std::size_t group, int period) {
 void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, double reach, double dt) {
   const auto for_near = [&](std::size_t g, auto&& visit) {
     const NeighbourList::GroupRows rows = list.group(g);
-    for (std::size_t e = 0; e < rows.length * lanes; ++e) {
+    for (std::size_t e = 0; e < rows.length * group_size; ++e) {
       const auto j = static_cast<std::size_t>(rows.first[e]),
-                 i = std::min(g * lanes + e % lanes, particles_ - 1);
-      if ((p.position[i] - p.position[j]).squaredNorm() < reach * reach) visit(j / lanes);
+                 i = std::min(g * group_size + e % group_size, particles_ - 1);
+      if ((p.position[i] - p.position[j]).squaredNorm() < reach * reach) visit(j / group_size);
     }
   };
   shortened_.clear(), stiffened_.clear();
@@ -215,12 +214,12 @@ void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
         static_cast<std::uint8_t>((is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));
     if (is_kicked(g)) {
       plan_kick(g, dt, as_begun);
-      kicked_particles_ += std::min(particles_, (g + 1) * lanes) - g * lanes;
+      kicked_particles_ += std::min(particles_, (g + 1) * group_size) - g * group_size;
     } else {
       kick_length_[g] = 0;
     }
   }
-  kicks_ = {lanes, since_kick_, kick_length_};
+  kicks_ = {group_size, since_kick_, kick_length_};
 }
 
 void IndividualSteps::end(double dt) {

@@ -2,9 +2,9 @@
 /// Individual steps: particles of soft layers are kicked every 2, 4, 8 or 16 steps of the run, each time
 /// by as much.
 ///
-/// A step of the run is as long as the stiffest particle bears. Particles go by groups of as many as there
-/// are lanes; a group has a period P, a power of two: it is kicked in the steps whose number P divides, with
-/// its whole force (stress, viscosity, contact) for P steps. Between its kicks its velocity stands still, and
+/// A step of the run is as long as the stiffest particle bears. Particles go by groups (neighbour_list.h);
+/// a group has a period P, a power of two: it is kicked in the steps whose number P divides, with its whole
+/// force (stress, viscosity, contact) for P steps. Between its kicks its velocity stands still, and
 /// so nothing that depends on it has to be computed. Positions move in every step.
 ///
 /// Stresses keep pace with the fastest neighbour: a group is strained in every step in which it or a

@@ -2,9 +2,9 @@
 /// Smoothing kernels in three dimensions with support 2h, as values: a loop is compiled for one of them.
 ///
 /// Loops need dW/dr / r alone: grad_i W_ij = (dW/dr / r) (x_i - x_j). It is finite at r = 0 and zero beyond
-/// the support, so that a list may hold pairs that are too far apart, and the particle itself. It is a shape,
-/// which they take pair by pair, times a factor, which goes to their sums. Shapes are templates over the
-/// number type: double, or Pack for a pair a lane.
+/// the support, so that a list may hold pairs that are too far apart, and the particle itself. It is a shape
+/// over q = r/h, which they take pair by pair, times a factor, which goes to their sums. Shapes are templates
+/// over the number type: double, or SinglePack for a pair a lane.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,19 +26,16 @@ struct WendlandC2 {
     const double q = distance * inverse_h, t = std::max(0.0, 1 - 0.5 * q);
     return scale * t * t * t * t * (2 * q + 1);
   }
-  /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5; the shape is (2h - r)^3, exactly zero from 2h on.
-  [[nodiscard]] TUFT_HD double slope_factor() const {
-    const double per_support = 0.5 * inverse_h;
-    return -5 * scale * inverse_h * inverse_h * per_support * per_support * per_support;
-  }
+  /// dW/dr / r = -5 s/h^2 (1 - q/2)^3, 1/m^5; the shape is (2 - q)^3, exactly zero from q = 2 on.
+  [[nodiscard]] TUFT_HD double slope_factor() const { return -0.625 * scale * inverse_h * inverse_h; }
   template <class Real>
-  [[nodiscard]] TUFT_HD Real slope_shape(const Real& distance_squared) const {
+  [[nodiscard]] TUFT_HD static Real slope_shape(const Real& q_squared) {
     using std::max, std::sqrt;
-    const Real t = max(Real(0), 2 * h - sqrt(distance_squared));
+    const Real t = max(Real(0), Real(2) - sqrt(q_squared));
     return t * (t * t);
   }
   [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
-    return slope_factor() * slope_shape(distance_squared);
+    return slope_factor() * slope_shape(distance_squared * inverse_h * inverse_h);
   }
 };
 
@@ -58,15 +55,15 @@ struct CubicSpline {
   /// s/h^2.
   [[nodiscard]] TUFT_HD double slope_factor() const { return scale * inverse_h * inverse_h; }
   template <class Real>
-  [[nodiscard]] TUFT_HD Real slope_shape(const Real& distance_squared) const {
+  [[nodiscard]] TUFT_HD static Real slope_shape(const Real& q_squared) {
     using std::max, std::sqrt;
-    const Real q = sqrt(distance_squared) * inverse_h, t = max(Real(0), 2 - q);
-    const Real inner = 2.25 * q - 3;
-    const Real outer = -0.75 * (t * t) / max(Real(1), q);  // used for q >= 1 only: no division by zero
+    const Real q = sqrt(q_squared), t = max(Real(0), Real(2) - q);
+    const Real inner = Real(2.25F) * q - Real(3);
+    const Real outer = Real(-0.75F) * (t * t) / max(Real(1), q);  // used for q >= 1 only: no division by zero
     return select(q < Real(1), inner, outer);
   }
   [[nodiscard]] TUFT_HD double slope_over_distance(double distance_squared) const {
-    return slope_factor() * slope_shape(distance_squared);
+    return slope_factor() * slope_shape(distance_squared * inverse_h * inverse_h);
   }
 };
 

@@ -8,6 +8,19 @@
 namespace tuft::sph {
 namespace {
 
+using PackVector = std::array<Pack, 3>;
+
+Pack dot(const PackVector& a, const PackVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+PackVector load_vectors(const Vec3Array& v, std::size_t i, std::size_t count) {
+  return {load_lanes(v.x, i, count), load_lanes(v.y, i, count), load_lanes(v.z, i, count)};
+}
+void store_vectors(const PackVector& pack, Vec3Array& v, std::size_t i, std::size_t count) {
+  store_lanes(pack[0], v.x, i, count), store_lanes(pack[1], v.y, i, count),
+      store_lanes(pack[2], v.z, i, count);
+}
+
 /// KickSums of a block, lane by lane.
 struct PackSums {
   struct Work {
@@ -15,11 +28,23 @@ struct PackSums {
   };
   Pack kinetic = 0, gravity_potential = 0;
   Work viscous, damping, contact, holding;
-  std::array<Pack, 3> impulse{}, impulse_scale{};
+  PackVector impulse{}, impulse_scale{};
 
+  /// Of the first `count` lanes.
+  void add(const PackSums& other, std::size_t count) {
+    const auto one = [count](Pack& sum, const Pack& value) { sum += only(value, count); };
+    const auto work = [&](Work& sum, const Work& value) {
+      one(sum.until_now, value.until_now), one(sum.whole, value.whole);
+    };
+    one(kinetic, other.kinetic), one(gravity_potential, other.gravity_potential);
+    work(viscous, other.viscous), work(damping, other.damping);
+    work(contact, other.contact), work(holding, other.holding);
+    for (std::size_t d = 0; d < 3; ++d)
+      one(impulse[d], other.impulse[d]), one(impulse_scale[d], other.impulse_scale[d]);
+  }
   [[nodiscard]] KickSums sum() const {
     const auto work = [](const Work& w) { return KickWork{sum_lanes(w.until_now), sum_lanes(w.whole)}; };
-    const auto vector = [](const std::array<Pack, 3>& v) {
+    const auto vector = [](const PackVector& v) {
       return Vec3(sum_lanes(v[0]), sum_lanes(v[1]), sum_lanes(v[2]));
     };
     return {sum_lanes(kinetic),
@@ -34,53 +59,65 @@ struct PackSums {
   }
 };
 
-const std::vector<double>& axis_of(const Vec3Array& v, std::size_t axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-std::vector<double>& axis_of(Vec3Array& v, std::size_t axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /// Squares of speed and of the acceleration that particles have, or would have if they were not held.
 struct Motion {
-  Pack speed = 0, acceleration = 0;  ///< (m/s)^2, (m/s^2)^2
+  Pack speed, acceleration;  ///< (m/s)^2, (m/s^2)^2
 };
 
-/// One component of the kick of `count` particles from i on.
+/// The kick of `count` particles from i on, pack `part` of their group.
 template <class Chosen>
-void kick_component(const Kick& kick, const PairForces& forces, std::size_t axis, std::size_t i,
-                    std::size_t count, bool held, Particles& p, Motion& motion, PackSums& total) {
-  const auto of = [&](const std::vector<double>& values) { return load_lanes(values, i, count); };
-  const Pack mass = of(p.mass), before = of(axis_of(p.velocity, axis));
-  const Pack viscous_force = forces.viscous[axis];
-  const Pack force = Chosen::dissipative ? forces.stress[axis] + viscous_force : forces.stress[axis];
-
-  const double t = kick.duration, gravity = kick.gravity[static_cast<Eigen::Index>(axis)];
-  const Pack impulse = kick.impulse ? kick.impulse_share * of(axis_of(*kick.impulse, axis)) : Pack(0.0);
-  const Pack contact_change = impulse / mass;
+Motion kick_particles(const Kick& kick, const GroupForces& forces, std::size_t part, std::size_t i,
+                      std::size_t count, bool held, Particles& p, PackSums& total) {
+  const Pack mass = load_lanes(p.mass, i, count), per_mass = 1.0 / mass;
+  const PackVector before = load_vectors(p.velocity, i, count);
+  const double t = kick.duration;
   // Damping by the mean of the velocities before and after: unconditionally stable, and its work is exact.
-  const double half_damping = 0.5 * kick.damping * t;
-  const Pack free =
-      ((1 - half_damping) * before + t * (force / mass + gravity) + contact_change) / (1 + half_damping);
-  const Pack after = held ? Pack(0.0) : free;
-  motion.speed += before * before;
-  motion.acceleration += (free - before) * (free - before) / (t * t);
-  store_lanes(after, axis_of(p.velocity, axis), i, count);
+  const double half_damping = 0.5 * kick.damping * t, scale = 1 / (1 + half_damping),
+               kept = (1 - half_damping) * scale;
+  PackVector impulse{};
+  if (kick.impulse) {
+    impulse = load_vectors(*kick.impulse, i, count);
+    for (Pack& component : impulse) component *= kick.impulse_share;
+  }
+  PackVector free, after, mean, change;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double fall = t * kick.gravity[static_cast<Eigen::Index>(d)];
+    free[d] = kept * before[d] + scale * (per_mass * (t * forces.whole[d][part] + impulse[d]) + fall);
+    after[d] = held ? Pack(0.0) : free[d];
+    mean[d] = 0.5 * (before[d] + after[d]);
+    change[d] = free[d] - before[d];
+  }
+  store_vectors(after, p.velocity, i, count);
 
-  const Pack mean = 0.5 * (before + after);
-  const auto add_work = [&](PackSums::Work& work, const Pack& given) {
-    work.until_now += only(0.5 * kick.share_before * given * before, count);
-    work.whole += only(given * mean, count);
+  PackSums sums;
+  const auto work_of = [&](const PackVector& given) {
+    return PackSums::Work{0.5 * kick.share_before * dot(given, before), dot(given, mean)};
   };
-  total.kinetic += only(0.5 * mass * before * (before + kick.share_before * (after - before)), count);
-  total.gravity_potential -= only(mass * gravity * of(axis_of(p.position, axis)), count);
-  if constexpr (Chosen::dissipative) add_work(total.viscous, -t * viscous_force);
-  add_work(total.damping, kick.damping * t * mass * mean);
-  add_work(total.contact, impulse);
-  if (held) add_work(total.holding, mass * (1 + half_damping) * free);
-  const Pack received = only(mass * contact_change, count);
-  total.impulse[axis] += received;
-  total.impulse_scale[axis] += stdx::abs(received);
+  // v . (v before and what of the change belongs before t_k)
+  sums.kinetic = mass * ((0.5 - 0.5 * kick.share_before) * dot(before, before) +
+                         0.5 * kick.share_before * dot(before, after));
+  const PackVector x = load_vectors(p.position, i, count);
+  sums.gravity_potential =
+      -mass * (kick.gravity.x() * x[0] + kick.gravity.y() * x[1] + kick.gravity.z() * x[2]);
+  if constexpr (Chosen::dissipative) {
+    const auto& f = forces.viscous;
+    sums.viscous = work_of({-t * f[0][part], -t * f[1][part], -t * f[2][part]});
+  }
+  if (kick.damping != 0) {
+    const Pack rate = kick.damping * t * mass;
+    sums.damping = work_of({rate * mean[0], rate * mean[1], rate * mean[2]});
+  }
+  if (kick.impulse) {
+    sums.contact = work_of(impulse);
+    sums.impulse = impulse;
+    for (std::size_t d = 0; d < 3; ++d) sums.impulse_scale[d] = stdx::abs(impulse[d]);
+  }
+  if (held) {
+    const Pack inertia = mass * (1 + half_damping);
+    sums.holding = work_of({inertia * free[0], inertia * free[1], inertia * free[2]});
+  }
+  total.add(sums, count);
+  return {dot(before, before), dot(change, change) / (t * t)};
 }
 
 /// held: velocities become zero. measured: unrest is found.
@@ -90,25 +127,26 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
                     std::size_t begin, std::size_t end, Particles& p) {
   PackSums total;
   Pack unrest_squared = 0, not_finite = 0;
-  for (std::size_t i = begin; i < end; i += lanes) {
-    const std::size_t count = std::min(lanes, end - i);
+  for (std::size_t first = begin; first < end; first += group_size) {
+    const std::size_t group = first / group_size;
     Kick kick = of_step;
     if (steps) {
-      if (!steps->is_kicked(i / lanes)) continue;
-      kick.duration = steps->kick_length(i / lanes);
-      kick.share_before = 2 * steps->velocity_lag(i / lanes) / kick.duration;
+      if (!steps->is_kicked(group)) continue;
+      kick.duration = steps->kick_length(group);
+      kick.share_before = 2 * steps->velocity_lag(group) / kick.duration;
     }
-    const PairForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, i / lanes);
-    Motion motion;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      kick_component<Chosen>(kick, forces, axis, i, count, held, p, motion, total);
-    if (!measured) continue;
-    const Pack c([&](std::size_t l) { return double(p.stress[i + (l < count ? l : 0)].wave_speed); });
-    const Pack bend = settings.options.smoothing_length / (c * c);
-    unrest_squared =
-        stdx::max(unrest_squared, stdx::max(motion.speed / (c * c), bend * bend * motion.acceleration));
-    not_finite +=
-        only(0.0 * motion.acceleration, count);  // 0 unless one is not; a maximum would pass it over
+    const GroupForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, group);
+    for (std::size_t k = 0, i = first; k < packs_of_single && i < end; ++k, i += lanes) {
+      const std::size_t count = std::min(lanes, end - i);
+      const Motion motion = kick_particles<Chosen>(kick, forces, k, i, count, held, p, total);
+      if (!measured) continue;
+      const Pack c([&](std::size_t l) { return double(p.stress[i + (l < count ? l : 0)].wave_speed); });
+      const Pack bend = settings.options.smoothing_length / (c * c);
+      unrest_squared =
+          stdx::max(unrest_squared, stdx::max(motion.speed / (c * c), bend * bend * motion.acceleration));
+      not_finite +=
+          only(0.0 * motion.acceleration, count);  // 0 unless one is not; a maximum would pass it over
+    }
   }
   KickSums sums = total.sum();
   sums.unrest = std::sqrt(-smallest_lane(-unrest_squared)) + sum_lanes(not_finite);
@@ -122,10 +160,12 @@ KickSums kick_held_block(const KernelType kernel, const LoopSettings& settings, 
                          const Kick& kick, const Sleep& sleep, const IndividualSteps* steps,
                          std::size_t begin, std::size_t end, Particles& p) {
   const std::size_t block = begin / block_size;
+  const Vec3Array& velocity = p.velocity;
+  std::array<Vec3, block_size> before;
+  for (std::size_t i = begin; i < end; ++i) before[i - begin] = velocity[i];
   KickSums sums = kick_block<Chosen>(kernel, settings, list, kick, steps, false, true, begin, end, p);
   if (sleep.wakes(sums.unrest)) return sums;
-  for (std::size_t i = begin; i < end; ++i)
-    p.velocity.set(i, {p.motion[i].vx, p.motion[i].vy, p.motion[i].vz});  // that before the kick
+  for (std::size_t i = begin; i < end; ++i) p.velocity.set(i, before[i - begin]);
   if (!sleep.has_settled(block)) {
     const double unrest = sums.unrest;
     sums = kick_block<Chosen>(kernel, settings, list, kick, steps, true, false, begin, end, p);
@@ -228,7 +268,7 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
       // 0 unless a velocity or a position is not finite.
       finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
-    for (std::size_t i = begin; i < end; ++i) p.record_motion(i);
+    p.renew_motion(begin, end);
     blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
   });
   DriftCheck check;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 
@@ -78,7 +79,7 @@ struct NeighbourList::Scratch {
   std::vector<Index> candidates;  ///< of a group, sorted
   std::vector<Index> rows;        ///< of a group, side by side, and room behind them
   std::size_t rows_size = 0;
-  std::array<std::size_t, lanes> length{};
+  std::array<std::size_t, group_size> length{};
   std::vector<Index> entries;  ///< of a block
 };
 
@@ -173,8 +174,8 @@ void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& 
     const std::size_t l = i - begin;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scratch.length[l]; ++k) {
-      const Index j = scratch.rows[k * lanes + l];
-      if (!std::binary_search(gone.begin(), gone.end(), j)) scratch.rows[kept++ * lanes + l] = j;
+      const Index j = scratch.rows[k * group_size + l];
+      if (!std::binary_search(gone.begin(), gone.end(), j)) scratch.rows[kept++ * group_size + l] = j;
     }
     scratch.length[l] = kept;
   }
@@ -184,35 +185,44 @@ void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& 
 void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end,
                               Scratch& scratch) const {
   const std::size_t count = end - begin;
+  using Packs = std::array<Pack, group_size / lanes>;
   const auto own = [&](const std::vector<double>& values) {
-    return Pack([&](std::size_t l) { return values[std::min(begin + l, end - 1)]; });
+    Packs packs;
+    for (std::size_t k = 0; k < packs.size(); ++k)
+      packs[k] = Pack([&](std::size_t l) { return values[std::min(begin + k * lanes + l, end - 1)]; });
+    return packs;
   };
-  const Pack x = own(positions.x), y = own(positions.y), z = own(positions.z);
-  const std::size_t room = (scratch.candidates.size() + 1) * lanes;
+  const Packs x = own(positions.x), y = own(positions.y), z = own(positions.z);
+  const std::size_t room = (scratch.candidates.size() + 1) * group_size;
   if (scratch.rows.size() < room) scratch.rows.resize(room);
-  std::array<std::size_t, lanes> next;  // where the next entry of each row goes
-  for (std::size_t l = 0; l < lanes; ++l) next[l] = l;
+  std::array<std::size_t, group_size> next;  // where the next entry of each row goes
+  for (std::size_t l = 0; l < group_size; ++l) next[l] = l;
   const double reach_squared = reach_ * reach_;
-  alignas(stdx::memory_alignment_v<Pack>) std::array<double, lanes> distance_squared;
+  alignas(stdx::memory_alignment_v<Pack>) std::array<double, group_size> distance_squared;
   for (const Index j : scratch.candidates) {
     const auto c = static_cast<std::size_t>(j);
-    const Pack dx = x - positions.x[c], dy = y - positions.y[c], dz = z - positions.z[c];
-    const Pack squared = dx * dx + dy * dy + dz * dz;
-    if (stdx::none_of(squared < reach_squared)) continue;
-    squared.copy_to(distance_squared.data(), stdx::vector_aligned);
-    for (std::size_t l = 0; l < lanes; ++l) {
+    Pack nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const Pack dx = x[k] - positions.x[c], dy = y[k] - positions.y[c], dz = z[k] - positions.z[c];
+      const Pack squared = dx * dx + dy * dy + dz * dz;
+      nearest = stdx::min(nearest, squared);
+      store(&distance_squared[k * lanes], squared);
+    }
+    if (stdx::none_of(nearest < reach_squared)) continue;
+    for (std::size_t l = 0; l < group_size; ++l) {
       scratch.rows[next[l]] = j;  // kept only if the row grows: no branch to mispredict
-      next[l] += lanes * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
+      next[l] +=
+          group_size * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
     }
   }
-  for (std::size_t l = 0; l < lanes; ++l)
-    scratch.length[l] = l < count && !is_left_out(begin + l) ? next[l] / lanes : 0;
+  for (std::size_t l = 0; l < group_size; ++l)
+    scratch.length[l] = l < count && !is_left_out(begin + l) ? next[l] / group_size : 0;
   if (!separated_.empty()) drop_separated(begin, end, scratch);
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
-  for (std::size_t l = 0; l < lanes; ++l)
+  for (std::size_t l = 0; l < group_size; ++l)
     for (std::size_t k = scratch.length[l]; k < longest; ++k)
-      scratch.rows[k * lanes + l] = static_cast<Index>(std::min(begin + l, end - 1));
-  scratch.rows_size = longest * lanes;
+      scratch.rows[k * group_size + l] = static_cast<Index>(std::min(begin + l, end - 1));
+  scratch.rows_size = longest * group_size;
 }
 
 void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b) {
@@ -221,7 +231,7 @@ void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b) {
   Block& block = blocks_[b];
   scratch.entries.clear();
   for (std::size_t g = 0; g < groups_per_block; ++g) {
-    const std::size_t begin = b * block_size + g * lanes, end = std::min(n, begin + lanes);
+    const std::size_t begin = b * block_size + g * group_size, end = std::min(n, begin + group_size);
     if (begin < n) {
       find_candidates(positions, begin, end, scratch);
       find_rows(positions, begin, end, scratch);
@@ -262,10 +272,10 @@ void NeighbourList::build(const Vec3Array& positions) {
 }
 
 std::vector<Index> NeighbourList::row(std::size_t i) const {
-  const GroupRows rows = group(i / lanes);
+  const GroupRows rows = group(i / group_size);
   std::vector<Index> others;
   for (std::size_t k = 0; k < rows.length; ++k) {
-    const Index j = rows.first[k * lanes + i % lanes];
+    const Index j = rows.first[k * group_size + i % group_size];
     if (static_cast<std::size_t>(j) != i) others.push_back(j);
   }
   return others;

@@ -14,16 +14,20 @@ namespace tuft::sph {
 /// Particles of one partial sum, and of what a thread works on at a time.
 inline constexpr std::size_t block_size = 256;
 
+/// Particles whose rows lie side by side, a lane each of the loops over pairs.
+inline constexpr std::size_t group_size = single_lanes;
+static_assert(block_size % group_size == 0);
+
 /// Rows are sorted by index. A sum over a row in that order, to which pairs beyond the support add exact
 /// zeros, does not depend on when the list was built: a run has the same bits with any skin, for any number
 /// of threads and across a checkpoint.
 ///
-/// Particles go by groups of as many as there are lanes, [g lanes, (g + 1) lanes), whose rows lie side by
-/// side: a loop takes entry k of all of them at once.
+/// Particles go by groups, [g group_size, (g + 1) group_size), whose rows lie side by side: a loop takes
+/// entry k of all of them at once.
 class NeighbourList {
  public:
-  /// Entry k of lane l is first[k lanes + l]. Shorter rows end with the particle itself (the last particle in
-  /// lanes beyond it), whose pair terms are exact zeros.
+  /// Entry k of lane l is first[k group_size + l]. Shorter rows end with the particle itself (the last
+  /// particle in lanes beyond it), whose pair terms are exact zeros.
   struct GroupRows {
     const Index* first;
     std::size_t length;
@@ -63,13 +67,13 @@ class NeighbourList {
   [[nodiscard]] GroupRows group(std::size_t g) const {
     const Block& block = blocks_[g / groups_per_block];
     const std::size_t k = g % groups_per_block;
-    return {block.entries.data() + block.begin[k], (block.begin[k + 1] - block.begin[k]) / lanes};
+    return {block.entries.data() + block.begin[k], (block.begin[k + 1] - block.begin[k]) / group_size};
   }
   /// Neighbours of particle i, for tests and reports.
   [[nodiscard]] std::vector<Index> row(std::size_t i) const;
 
  private:
-  static constexpr std::size_t groups_per_block = block_size / lanes;
+  static constexpr std::size_t groups_per_block = block_size / group_size;
   /// Rows of some groups, stored apart so that threads build them without waiting for each other.
   struct Block {
     std::array<std::uint32_t, groups_per_block + 1> begin{};

@@ -28,25 +28,40 @@ auto with_kernel(const SphOptions& options, Body&& body) {
   return body(WendlandC2(options.smoothing_length));
 }
 
-static_assert(block_size % lanes == 0);
-
 /// Indices of a group's particles, a lane each; lanes beyond the last particle repeat it.
-[[nodiscard]] inline std::array<Index, lanes> indices_of_group(std::size_t group, std::size_t count) {
-  std::array<Index, lanes> index;
-  for (std::size_t l = 0; l < lanes; ++l)
-    index[l] = static_cast<Index>(std::min(group * lanes + l, count - 1));
+[[nodiscard]] inline std::array<Index, group_size> indices_of_group(std::size_t group, std::size_t count) {
+  std::array<Index, group_size> index;
+  for (std::size_t l = 0; l < group_size; ++l)
+    index[l] = static_cast<Index>(std::min(group * group_size + l, count - 1));
   return index;
 }
+
+using SingleVector = std::array<SinglePack, 3>;
+
+/// What a pair loop sees of two particles, lengths over h.
+struct PairMotion {
+  SingleVector d;        ///< x_i - x_j
+  SinglePack q_squared;  ///< |d|^2
+  SingleVector u;        ///< v_j - v_i, m/s
+
+  using Record = std::array<SinglePack, MotionRecord::values>;
+  PairMotion(const Record& i, const Record& j)
+      : d{MotionRecord::position_unit * integer_difference(i[0], j[0]),
+          MotionRecord::position_unit * integer_difference(i[1], j[1]),
+          MotionRecord::position_unit * integer_difference(i[2], j[2])},
+        q_squared(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
+        u{j[4] - i[4], j[5] - i[5], j[6] - i[6]} {}
+};
 
 /// Pairs of a lane that loops take before they go over them again.
 inline constexpr std::size_t row_chunk = 32;
 
 /// Calls body(index, count) for the rows of a group, row_chunk entries of each at a time or fewer: entry k of
-/// lane l is index[k lanes + l].
+/// lane l is index[k group_size + l].
 template <class Body>
 void for_chunks(const NeighbourList::GroupRows& rows, Body&& body) {
   for (std::size_t k = 0; k < rows.length; k += row_chunk)
-    body(rows.first + k * lanes, std::min(row_chunk, rows.length - k));
+    body(rows.first + k * group_size, std::min(row_chunk, rows.length - k));
 }
 
 /// `count` of the lanes are particles; the last pack of all may have fewer. The others repeat the first.

@@ -51,10 +51,10 @@ bool Sleep::anything_moves() const {
 void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
   thread_local std::vector<std::uint8_t> is_near;
   is_near.assign(held_.size(), 0);
-  for (std::size_t g = block * (block_size / lanes);
-       g < (block + 1) * (block_size / lanes) && g * lanes < particles_; ++g) {
+  for (std::size_t g = block * (block_size / group_size);
+       g < (block + 1) * (block_size / group_size) && g * group_size < particles_; ++g) {
     const NeighbourList::GroupRows rows = list.group(g);
-    for (std::size_t e = 0; e < rows.length * lanes; ++e)
+    for (std::size_t e = 0; e < rows.length * group_size; ++e)
       is_near[static_cast<std::size_t>(rows.first[e]) / block_size] = 1;
   }
   neighbours_[block].clear();

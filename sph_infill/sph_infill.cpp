@@ -83,7 +83,7 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
 
   Particles& p = particles;
   const std::size_t n = lattice.position.size();
-  p.assign(n);
+  p.assign(n, given.options.smoothing_length);
   if (given.zero_energy_control) p.residual.assign(n, {});
   steps = IndividualSteps(given.individual_steps, given.step_safety, n);
   if (steps.enabled()) p.own_step.assign(n, 0);

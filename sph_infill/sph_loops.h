@@ -15,9 +15,12 @@
 ///   f_k = sum_j (V_j v_k* sigma_k B_k + V_k v_j* sigma_j B_j) g_kj.
 ///
 /// So sum_k f_k . v_k = -P for every velocity field, pair forces are opposite and equal, and a uniform stress
-/// gives no net force where the neighbourhood is full. With Q_j = v_j* sigma_j B_j the force pass needs one
-/// product a pair: f_k = Q_k (sum_j V_j g_kj) + V_k sum_j Q_j g_kj. (V and v* differ by one step's
-/// compression; keeping V through both passes is what makes them partners exactly.)
+/// gives no net force where the neighbourhood is full. With S_j = (v_j*/V_j) sigma_j B_j it is
+///
+///   f_k = sum_j V_k V_j (S_k + S_j) g_kj.
+///
+/// (V and v* differ by one step's compression; keeping V through both passes is what makes them partners
+/// exactly.)
 ///
 /// Zero-energy modes. L sees the part of a neighbourhood's motion that is linear. What is left of a pair's
 /// motion, r_ij = v_j - v_i - L_i (x_j - x_i), meets no stress, and gathers from rounding and contact. It is
@@ -31,13 +34,15 @@
 /// particle by particle. So the force takes 2 D of power, never gives any, keeps linear and angular momentum,
 /// and is zero for every linear motion, free surfaces included; on smooth motion it is a viscosity of the
 /// fourth derivative, of the size of zeta rho c h^3. (Particles whose correction is held back by
-/// `least_support` do not fit; their C is 0.) With Q' = V C L,
+/// `least_support` do not fit; their C is 0.) As the loop takes it,
 ///
-///   f_k = V_k C_k sum_j V_j s_kj (v_j - v_k) - Q'_k sum_j V_j g_kj
-///         + V_k sum_j (V_j C_j s_kj (v_j - v_k) - Q'_j g_kj).
+///   f_k = sum_j V_k V_j (s_kj (C_k + C_j) (v_j - v_k) - (C_k L_k + C_j L_j) g_kj).
 ///
-/// Loops take as many particles at once as there are lanes, a particle a lane, and walk their rows side by
-/// side: no sum crosses lanes, and what follows from a particle's sums finds them in registers.
+/// What is summed over pairs is in single precision (particles.h), of pair forces and what follows from the
+/// sums in double. Each product and sum of a pair force is such that the two ends find it to the last bit.
+///
+/// Loops take a group of particles at once, a particle a lane, and walk their rows side by side: no sum
+/// crosses lanes, and what follows from a particle's sums finds them in registers.
 #include "core/infill.h"
 #include "sph_infill/neighbour_list.h"
 #include "sph_infill/particles.h"

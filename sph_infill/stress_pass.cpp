@@ -18,19 +18,19 @@ struct GradientSumsOf {
   SymmetricTensorOf<Real> mobility;
 };
 
-/// What the sums take of a pair, w = V_j times the shape of the kernel's slope.
+/// What the sums take of a pair, w = V_j times the shape of the kernel's slope; lengths over h.
 struct WeighedPair {
-  Pack dx, dy, dz;    ///< x_i - x_j
-  Pack wx, wy, wz;    ///< w (x_i - x_j)
-  Pack ux, uy, uz;    ///< v_j - v_i
-  Pack inverse_mass;  ///< of j
+  SinglePack dx, dy, dz;    ///< x_i - x_j
+  SinglePack wx, wy, wz;    ///< w (x_i - x_j)
+  SinglePack ux, uy, uz;    ///< v_j - v_i, m/s
+  SinglePack inverse_mass;  ///< of j
 };
 
 /// The three below go over the same pairs one after the other: all 24 sums at once would not stay in
 /// registers, of which processors without AVX-512 have 16.
-void add_moments(std::span<const WeighedPair> pairs, GradientSumsOf<Pack>& sums) {
-  GradientSumsOf<Pack> sum = sums;
-  SymmetricTensorOf<Pack>& m = sum.moment;
+void add_moments(std::span<const WeighedPair> pairs, GradientSumsOf<SinglePack>& sums) {
+  GradientSumsOf<SinglePack> sum = sums;
+  SymmetricTensorOf<SinglePack>& m = sum.moment;
   for (const WeighedPair& q : pairs) {
     m.xx -= q.wx * q.dx, m.yy -= q.wy * q.dy, m.zz -= q.wz * q.dz;
     m.xy -= q.wx * q.dy, m.yz -= q.wy * q.dz, m.zx -= q.wz * q.dx;
@@ -38,8 +38,8 @@ void add_moments(std::span<const WeighedPair> pairs, GradientSumsOf<Pack>& sums)
   }
   sums.moment = m, sums.gradient = sum.gradient;
 }
-void add_velocities(std::span<const WeighedPair> pairs, TensorOf<Pack>& velocity) {
-  TensorOf<Pack> v = velocity;
+void add_velocities(std::span<const WeighedPair> pairs, TensorOf<SinglePack>& velocity) {
+  TensorOf<SinglePack> v = velocity;
   for (const WeighedPair& q : pairs) {
     v.xx += q.ux * q.wx, v.xy += q.ux * q.wy, v.xz += q.ux * q.wz;
     v.yx += q.uy * q.wx, v.yy += q.uy * q.wy, v.yz += q.uy * q.wz;
@@ -47,10 +47,10 @@ void add_velocities(std::span<const WeighedPair> pairs, TensorOf<Pack>& velocity
   }
   velocity = v;
 }
-void add_mobilities(std::span<const WeighedPair> pairs, SymmetricTensorOf<Pack>& mobility) {
-  SymmetricTensorOf<Pack> c = mobility;
+void add_mobilities(std::span<const WeighedPair> pairs, SymmetricTensorOf<SinglePack>& mobility) {
+  SymmetricTensorOf<SinglePack> c = mobility;
   for (const WeighedPair& q : pairs) {
-    const Pack nx = q.inverse_mass * q.wx, ny = q.inverse_mass * q.wy, nz = q.inverse_mass * q.wz;
+    const SinglePack nx = q.inverse_mass * q.wx, ny = q.inverse_mass * q.wy, nz = q.inverse_mass * q.wz;
     c.xx += nx * q.wx, c.yy += ny * q.wy, c.zz += nz * q.wz;
     c.xy += nx * q.wy, c.yz += ny * q.wz, c.zx += nz * q.wx;
   }
@@ -58,32 +58,60 @@ void add_mobilities(std::span<const WeighedPair> pairs, SymmetricTensorOf<Pack>&
 }
 
 /// See GradientSums; a particle a lane.
+using GroupGradients = std::array<GradientSumsOf<Pack>, packs_of_single>;
+
+/// In units of the particles: `factor` is the kernel's, V is in h^3 and lengths are over h.
+GroupGradients widened_sums(const GradientSumsOf<SinglePack>& sums, double factor, double h) {
+  GroupGradients wide;
+  const double gradient = factor * (h * h) * (h * h), moment = gradient * h;
+  const auto widen = [&wide](double by, const SinglePack& single, auto&& in) {
+    const auto packs = widened(single);
+    for (std::size_t k = 0; k < packs.size(); ++k) in(wide[k]) = by * packs[k];
+  };
+  const auto widen_tensor = [&](double by, const SymmetricTensorOf<SinglePack>& single, auto tensor) {
+    using Tensor = SymmetricTensorOf<Pack>;
+    const auto component = [&](const SinglePack& value, Pack Tensor::*at) {
+      widen(by, value, [&](GradientSumsOf<Pack>& s) -> Pack& { return s.*tensor.*at; });
+    };
+    component(single.xx, &Tensor::xx), component(single.yy, &Tensor::yy), component(single.zz, &Tensor::zz);
+    component(single.xy, &Tensor::xy), component(single.yz, &Tensor::yz), component(single.zx, &Tensor::zx);
+  };
+  widen_tensor(moment, sums.moment, &GradientSumsOf<Pack>::moment);
+  widen_tensor(gradient * gradient, sums.mobility, &GradientSumsOf<Pack>::mobility);
+  const auto velocity = [&](const SinglePack& value, Pack TensorOf<Pack>::*at) {
+    widen(gradient, value, [&](GradientSumsOf<Pack>& s) -> Pack& { return s.velocity.*at; });
+  };
+  using T = TensorOf<Pack>;
+  const TensorOf<SinglePack>& v = sums.velocity;
+  velocity(v.xx, &T::xx), velocity(v.xy, &T::xy), velocity(v.xz, &T::xz);
+  velocity(v.yx, &T::yx), velocity(v.yy, &T::yy), velocity(v.yz, &T::yz);
+  velocity(v.zx, &T::zx), velocity(v.zy, &T::zy), velocity(v.zz, &T::zz);
+  for (std::size_t d = 0; d < 3; ++d)
+    widen(gradient, sums.gradient[d], [d](GradientSumsOf<Pack>& s) -> Pack& { return s.gradient[d]; });
+  return wide;
+}
+
 template <class KernelType>
-GradientSumsOf<Pack> sum_pair_gradients(const KernelType kernel, const NeighbourList& list,
-                                        const Particles& p, std::size_t group) {
+GroupGradients sum_pair_gradients(const KernelType kernel, const NeighbourList& list, const Particles& p,
+                                  std::size_t group) {
   const auto own_index = indices_of_group(group, p.size());
-  const auto [xi, yi, zi, vxi, vyi, vzi, volume_i, inverse_mass_i] =
-      load_records(p.motion.data(), own_index.data());
-  GradientSumsOf<Pack> sum;
+  const auto own = load_records(p.motion.data(), own_index.data());
+  GradientSumsOf<SinglePack> sum;
   std::array<WeighedPair, row_chunk> weighed;
   for_chunks(list.group(group), [&](const Index* index, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
-      const auto [x, y, z, vx, vy, vz, volume, inverse_mass] =
-          load_records(p.motion.data(), index + k * lanes);
-      const Pack dx = xi - x, dy = yi - y, dz = zi - z;
-      const Pack w = volume * kernel.slope_shape(dx * dx + dy * dy + dz * dz);
-      weighed[k] = {dx, dy, dz, w * dx, w * dy, w * dz, vx - vxi, vy - vyi, vz - vzi, inverse_mass};
+      const auto other = load_records(p.motion.data(), index + k * group_size);
+      const PairMotion pair(own, other);
+      const SinglePack w = other[3] * kernel.slope_shape(pair.q_squared);
+      const auto& [dx, dy, dz] = pair.d;
+      weighed[k] = {dx, dy, dz, w * dx, w * dy, w * dz, pair.u[0], pair.u[1], pair.u[2], other[7]};
     }
     const std::span<const WeighedPair> pairs(weighed.data(), count);
     add_moments(pairs, sum);
     add_velocities(pairs, sum.velocity);
     add_mobilities(pairs, sum.mobility);
   });
-  const double factor = kernel.slope_factor();
-  sum.moment = factor * sum.moment, sum.velocity = factor * sum.velocity;
-  sum.mobility = factor * factor * sum.mobility;
-  for (Pack& g : sum.gradient) g *= factor;
-  return sum;
+  return widened_sums(sum, kernel.slope_factor(), p.smoothing_length);
 }
 
 template <SoilEffects on>
@@ -122,35 +150,34 @@ PackMask is_valid(const SoilStateOf<Pack>& state) {
   return state.compression > low && state.compression < high && stdx::abs(sum) < 1e300;
 }
 
-/// V sigma B, the half of the pair force that a particle brings, and its viscous factors.
+/// S = (v*/V) sigma B, the half of the pair force that a particle brings, and its viscous factors. growth:
+/// v*/V.
 void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorOf<Pack>& correction,
-                          const Pack& volume, const Pack& wave_speed, const Pack& viscous_linear,
+                          const Pack& growth, const Pack& wave_speed, const Pack& viscous_linear,
                           const Pack& viscous_quadratic, std::size_t i, std::size_t count, Particles& p) {
-  SymmetricTensorOf<Pack> force = state.deviator;
-  force.xx -= state.pressure, force.yy -= state.pressure, force.zz -= state.pressure;
-  const TensorOf<Pack> q = dot(volume * force, correction);
-  const std::array<std::array<const Pack*, 3>, 3> column{
-      {{&q.xx, &q.yx, &q.zx}, {&q.xy, &q.yy, &q.zy}, {&q.xz, &q.yz, &q.zz}}};
+  SymmetricTensorOf<Pack> stress = state.deviator;
+  stress.xx -= state.pressure, stress.yy -= state.pressure, stress.zz -= state.pressure;
+  const TensorOf<Pack> q = dot(growth * stress, correction);
+  const std::array<const Pack*, 9> component{&q.xx, &q.xy, &q.xz, &q.yx, &q.yy, &q.yz, &q.zx, &q.zy, &q.zz};
   for (std::size_t l = 0; l < count; ++l) {
     StressRecord& record = p.stress[i + l];
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t d = 0; d < 3; ++d) record.v_sigma_b[c][d] = static_cast<float>((*column[c][d])[l]);
+    for (std::size_t c = 0; c < 9; ++c) record.s[c] = static_cast<float>((*component[c])[l]);
     record.viscous_linear = static_cast<float>(viscous_linear[l]);
     record.viscous_quadratic = static_cast<float>(viscous_quadratic[l]);
     record.wave_speed = static_cast<float>(wave_speed[l]);
   }
 }
 
-/// V C L and V C; C = zeta rho c h, or 0 where L is not the fit of the neighbours' motion.
-void store_residual_records(double zeta_h, const TensorOf<Pack>& l, const PackMask& fitted,
-                            const Pack& modulus, const Pack& mass, const Pack& volume, std::size_t i,
-                            std::size_t count, Particles& p) {
-  const Pack v_c = select(fitted, zeta_h * stdx::sqrt(modulus * mass * volume), Pack(0.0));
+/// C L and C/h; C = zeta rho c h, or 0 where L is not the fit of the neighbours' motion.
+void store_residual_records(const SphOptions& options, const TensorOf<Pack>& l, const PackMask& fitted,
+                            const Pack& impedance, std::size_t i, std::size_t count, Particles& p) {
+  const Pack c_over_h = select(fitted, options.zero_energy_viscosity * impedance, Pack(0.0));
   const std::array<const Pack*, 9> component{&l.xx, &l.xy, &l.xz, &l.yx, &l.yy, &l.yz, &l.zx, &l.zy, &l.zz};
   for (std::size_t k = 0; k < count; ++k) {
     ResidualRecord& record = p.residual[i + k];
-    for (std::size_t c = 0; c < 9; ++c) record.v_c_l[c] = static_cast<float>(v_c[k] * (*component[c])[k]);
-    record.v_c = static_cast<float>(v_c[k]);
+    const double c = options.smoothing_length * c_over_h[k];
+    for (std::size_t n = 0; n < 9; ++n) record.c_l[n] = static_cast<float>(c * (*component[n])[k]);
+    record.c = static_cast<float>(c_over_h[k]);
   }
 }
 
@@ -188,12 +215,12 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const auto [correction, fitted] = correction_matrices(sums.moment);
   const TensorOf<Pack> velocity_gradient = dot(sums.velocity, correction);
   SoilStateOf<Pack> state = load_state<on>(p, i, count);
-  Pack volume = load_lanes(p.volume, i, count);
+  const Pack weighed = load_lanes(p.volume, i, count);  // V, by which both passes of the step weigh
+  Pack volume = weighed;
   if (dt > 0) {
     const SoilWorkOf<Pack> work = update_soil_state<on>(law, strain_step_of(velocity_gradient, dt), state);
-    const Pack before = volume;
     volume = load_lanes(p.reference_volume, i, count) * exp(-state.compression);
-    const Pack middle_volume = 0.5 * (before + volume);
+    const Pack middle_volume = 0.5 * (weighed + volume);
     total.work += only(middle_volume * work.total, count);
     total.plastic += only(middle_volume * work.dissipated, count);
     store_state<on>(state, i, count, p);
@@ -217,13 +244,13 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
     for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
   Pack linear = 0, quadratic = 0;
   if (settings.artificial_viscosity) {
-    quadratic = stdx::sqrt(mass * volume);
+    quadratic = stdx::sqrt(mass / volume);
     linear = quadratic * stdx::sqrt(wave_speed);
   }
-  store_stress_records(state, correction, volume, wave_speed, linear, quadratic, i, count, p);
+  store_stress_records(state, correction, volume / weighed, wave_speed, linear, quadratic, i, count, p);
   if (settings.zero_energy_control)
-    store_residual_records(settings.options.zero_energy_viscosity * settings.options.smoothing_length,
-                           velocity_gradient, fitted, modulus, mass, volume, i, count, p);
+    store_residual_records(settings.options, velocity_gradient, fitted, mass / volume * wave_speed, i, count,
+                           p);
 }
 
 /// update_particles for the effects of the scene. Apart from the kernel's loop: there are many combinations
@@ -239,12 +266,12 @@ ParticleUpdate particle_update_of(const SoilEffects& effects) {
 /// Stable steps of those that were not strained count too.
 void note_steps(const Particles& p, std::size_t begin, std::size_t end, IndividualSteps& steps,
                 StressSums& sums) {
-  for (std::size_t i = begin; i < end; i += lanes) {
+  for (std::size_t i = begin; i < end; i += group_size) {
     const auto first = p.own_step.begin() + static_cast<std::ptrdiff_t>(i);
     const double stable =
-        *std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(lanes, end - i)));
+        *std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(group_size, end - i)));
     sums.stable_step = std::min(sums.stable_step, stable);
-    steps.note(i / lanes, stable);
+    steps.note(i / group_size, stable);
   }
 }
 
@@ -253,11 +280,13 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
                         double dt, IndividualSteps* steps, std::size_t begin, std::size_t end, Particles& p) {
   const ParticleUpdate update = particle_update_of(settings.soil_effects);
   PackSums total;
-  for (std::size_t i = begin; i < end; i += lanes) {
-    const std::size_t group = i / lanes;
+  for (std::size_t first = begin; first < end; first += group_size) {
+    const std::size_t group = first / group_size;
     if (steps && !steps->is_strained(group)) continue;
-    update(settings, sum_pair_gradients(kernel, list, p, group), steps ? steps->since_strain(group) : dt, i,
-           std::min(lanes, end - i), p, total);
+    const GroupGradients sums = sum_pair_gradients(kernel, list, p, group);
+    const double since = steps ? steps->since_strain(group) : dt;
+    for (std::size_t k = 0, i = first; k < sums.size() && i < end; ++k, i += lanes)
+      update(settings, sums[k], since, i, std::min(lanes, end - i), p, total);
   }
   StressSums sums{sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step),
                   total.valid};
@@ -269,13 +298,14 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
 
 GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& list,
                            const Particles& particles, std::size_t i) {
-  const auto all = with_kernel(settings.options, [&](const auto kernel) {
-    return sum_pair_gradients(kernel, list, particles, i / lanes);
+  const GroupGradients group = with_kernel(settings.options, [&](const auto kernel) {
+    return sum_pair_gradients(kernel, list, particles, i / group_size);
   });
-  const auto tensor = [l = i % lanes](const SymmetricTensorOf<Pack>& t) {
+  const GradientSumsOf<Pack>& all = group[i % group_size / lanes];
+  const std::size_t l = i % lanes;
+  const auto tensor = [l](const SymmetricTensorOf<Pack>& t) {
     return SymmetricTensor{t.xx[l], t.yy[l], t.zz[l], t.xy[l], t.yz[l], t.zx[l]};
   };
-  const std::size_t l = i % lanes;
   const TensorOf<Pack>& v = all.velocity;
   GradientSums result;
   result.moment = tensor(all.moment);

@@ -32,19 +32,19 @@ TEST(NeighbourList, HoldsExactlyThePairsWithinReachSortedByIndex) {
 }
 
 TEST(NeighbourList, EndsShorterRowsOfAGroupWithTheParticleItself) {
-  const Vec3Array points = random_points(lanes * 40 + 3, 1, 7);
+  const Vec3Array points = random_points(group_size * 40 + 3, 1, 7);
   NeighbourList list(points, 0.2, 0.03);
   list.build(points);
   const std::size_t n = points.size();
-  for (std::size_t g = 0; g * lanes < n; ++g) {
+  for (std::size_t g = 0; g * group_size < n; ++g) {
     const NeighbourList::GroupRows rows = list.group(g);
     std::size_t longest = 0;
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const std::size_t i = std::min(g * lanes + l, n - 1);
-      const std::size_t own = g * lanes + l < n ? list.row(i).size() : 0;
+    for (std::size_t l = 0; l < group_size; ++l) {
+      const std::size_t i = std::min(g * group_size + l, n - 1);
+      const std::size_t own = g * group_size + l < n ? list.row(i).size() : 0;
       longest = std::max(longest, own);
       for (std::size_t k = own; k < rows.length; ++k)
-        EXPECT_EQ(rows.first[k * lanes + l], static_cast<Index>(i)) << "group " << g << ", lane " << l;
+        EXPECT_EQ(rows.first[k * group_size + l], static_cast<Index>(i)) << "group " << g << ", lane " << l;
     }
     EXPECT_EQ(rows.length, longest);
   }

@@ -19,7 +19,7 @@ struct Cloud {
     Lattice lattice = test::block(8, 8, 8, pitch);
     test::jitter(lattice, jitter_share);
     settings.options = test::options_of(preset, pitch);
-    particles.assign(lattice.position.size());
+    particles.assign(lattice.position.size(), settings.options.smoothing_length);
     particles.position = lattice.position;
     particles.volume = particles.mass = lattice.volume;
     particles.record_motion();
@@ -35,21 +35,24 @@ INSTANTIATE_TEST_SUITE_P(Presets, VelocityGradient,
 TEST_P(VelocityGradient, OfALinearFieldIsExactInsideAndAtFreeSurfacesOfAJitteredLattice) {
   // At this jitter every particle of both presets, corners included, keeps all eigenvalues of its moment over
   // the safeguard's bound; see the next test for what lies below it.
-  Cloud cloud(GetParam(), 0.05);
   Mat3 exact;
   exact << 10, -3, 7, 4, -20, 5, 1, 8, 12;
-  for (std::size_t i = 0; i < cloud.particles.size(); ++i)
-    cloud.particles.velocity.set(i, Vec3(3, -1, 2) + exact * cloud.particles.position[i]);
-  cloud.particles.record_motion();
-  double worst = 0;
-  for (std::size_t i = 0; i < cloud.particles.size(); ++i) {
-    const GradientSums sums = sum_gradients(cloud.settings, cloud.list, cloud.particles, i);
-    const Mat3 gradient = sums.velocity * to_matrix(correction_matrix(sums.moment));
-    worst = std::max(worst, (gradient - exact).norm() / exact.norm());
+  for (const Vec3& drift : {Vec3(0, 0, 0), Vec3(3, -1, 2)}) {
+    Cloud cloud(GetParam(), 0.05);
+    for (std::size_t i = 0; i < cloud.particles.size(); ++i)
+      cloud.particles.velocity.set(i, drift + exact * cloud.particles.position[i]);
+    cloud.particles.record_motion();
+    double worst = 0;
+    for (std::size_t i = 0; i < cloud.particles.size(); ++i) {
+      const GradientSums sums = sum_gradients(cloud.settings, cloud.list, cloud.particles, i);
+      const Mat3 gradient = sums.velocity * to_matrix(correction_matrix(sums.moment));
+      worst = std::max(worst, (gradient - exact).norm() / exact.norm());
+    }
+    RecordProperty("worst_relative_error", testing::PrintToString(worst));
+    // Rounding of pairs to single precision, and of velocities: the drift's, over a pitch and |L|.
+    const double of_velocity = std::ldexp(drift.norm(), -24) / (pitch * exact.norm());
+    EXPECT_LT(worst, 2e-6 + 2 * of_velocity);
   }
-  RecordProperty("worst_relative_error", testing::PrintToString(worst));
-  // Rounding: v/(pitch |L|) ~ 100 times 2e-16, times the number of neighbours.
-  EXPECT_LT(worst, 1e-12);
 }
 
 TEST_P(VelocityGradient, OfPoorlySupportedParticlesIsExactInTheirSupportedDirectionsAndNeverLarger) {
@@ -66,8 +69,8 @@ TEST_P(VelocityGradient, OfPoorlySupportedParticlesIsExactInTheirSupportedDirect
   cloud.particles.record_motion();
   const GradientSums sums = sum_gradients(cloud.settings, cloud.list, cloud.particles, 100);
   const Mat3 gradient = sums.velocity * to_matrix(correction_matrix(sums.moment));
-  EXPECT_LT((gradient.col(0) - exact.col(0)).norm(), 1e-10 * exact.norm());
-  EXPECT_LT(gradient.rightCols(2).norm(), 1e-10 * exact.norm());
+  EXPECT_LT((gradient.col(0) - exact.col(0)).norm(), 1e-5 * exact.norm());
+  EXPECT_LT(gradient.rightCols(2).norm(), 1e-5 * exact.norm());
 }
 
 TEST_P(VelocityGradient, IsThePartnerOfTheForceSoThatPowersAgreeForAnyVelocity) {
@@ -80,7 +83,7 @@ TEST_P(VelocityGradient, IsThePartnerOfTheForceSoThatPowersAgreeForAnyVelocity) 
   settings.artificial_viscosity = false;
   settings.laws = {make_soil_law(test::elastic_material(1e6, 1000))};
   Particles p;
-  p.assign(n);
+  p.assign(n, settings.options.smoothing_length);
   p.position = lattice.position;
   p.volume = p.reference_volume = lattice.volume;
   for (std::size_t i = 0; i < n; ++i) p.mass[i] = 1000 * lattice.volume[i];

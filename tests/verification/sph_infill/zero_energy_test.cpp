@@ -30,7 +30,7 @@ struct StressFreeBlock {
     settings.zero_energy_control = true;
     settings.laws = {make_soil_law(test::elastic_material(bulk_modulus, density))};
     Particles& p = particles;
-    p.assign(n);
+    p.assign(n, settings.options.smoothing_length);
     p.residual.assign(n, {});
     p.position = lattice.position;
     p.volume = lattice.volume;
