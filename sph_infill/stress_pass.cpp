@@ -263,14 +263,14 @@ ParticleUpdate particle_update_of(const SoilEffects& effects) {
   return update;
 }
 
-/// Stable steps of those that were not strained count too.
+/// Stable steps of those that were not strained count too, as they are stored, in single precision.
 void note_steps(const Particles& p, std::size_t begin, std::size_t end, IndividualSteps& steps,
                 StressSums& sums) {
   for (std::size_t i = begin; i < end; i += group_size) {
     const auto first = p.own_step.begin() + static_cast<std::ptrdiff_t>(i);
     const double stable =
         *std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(group_size, end - i)));
-    sums.stable_step = std::min(sums.stable_step, stable);
+    if (!steps.is_strained(i / group_size)) sums.stable_step = std::min(sums.stable_step, stable);
     steps.note(i / group_size, stable);
   }
 }
