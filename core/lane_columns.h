@@ -25,6 +25,7 @@ struct VectorOf {
 template <class T, std::size_t count>
 using Vector = typename VectorOf<T, count>::type;
 
+#ifdef __AVX__  // lanes come in fours; elsewhere values are taken one by one
 /// Four values of a row.
 template <class T>
 Vector<T, 4> load_four(const T* first) {
@@ -55,23 +56,18 @@ Vector<double, lanes> every_other_two(const Vector<double, lanes>& a, const Vect
 }
 
 /// Four values of row index[k], and with 8 lanes four of row index[above] behind them.
-template <std::size_t count = lanes>
-Vector<double, count> load_fours(const double* table, std::size_t row_length, const Index* index,
-                                 std::size_t k, [[maybe_unused]] std::size_t above) {
+inline Vector<double, lanes> load_fours(const double* table, std::size_t row_length, const Index* index,
+                                        std::size_t k, [[maybe_unused]] std::size_t above) {
   const auto row = [&](std::size_t lane) {
     return load_four(table + static_cast<std::size_t>(index[lane]) * row_length);
   };
-  if constexpr (count == 4) {
-    return row(k);
-  } else {
 #ifdef __AVX512F__
-    // One instruction that loads and inserts; of the general shuffle compilers make two.
-    return std::bit_cast<Vector<double, count>>(
-        _mm512_insertf64x4(_mm512_castpd256_pd512(row(k)), row(above), 1));
+  // One instruction that loads and inserts; of the general shuffle compilers make two.
+  return std::bit_cast<Vector<double, lanes>>(
+      _mm512_insertf64x4(_mm512_castpd256_pd512(row(k)), row(above), 1));
 #else
-    return __builtin_shufflevector(row(k), row(above), 0, 1, 2, 3, 4, 5, 6, 7);
+  return row(k);
 #endif
-  }
 }
 
 /// Four values of the rows named, as columns from `column` on.
@@ -88,7 +84,6 @@ inline void load_four_columns(const double* table, std::size_t row_length, const
   column[3] = to_pack(every_other_two<2>(high_ab, high_cd));
 }
 
-#ifdef __AVX__
 using Singles = Vector<float, single_lanes>;
 
 /// a0 b0 a1 b1 a4 b4 a5 b5 (offset 0) or a2 b2 a3 b3 a6 b6 a7 b7 (offset 2).
@@ -131,13 +126,14 @@ template <std::size_t columns>
                                                             const Index* index) {
   static_assert(columns % 4 == 0);
   std::array<Pack, columns> column;
-  if constexpr (lanes == 4 || lanes == 8) {
-    for (std::size_t c = 0; c < columns; c += 4)
-      detail::load_four_columns(table + c, row_length, index, &column[c]);
-  } else {
-    for (std::size_t c = 0; c < columns; ++c)
-      column[c] =
-          Pack([&](auto lane) { return table[static_cast<std::size_t>(index[lane]) * row_length + c]; });
+  for (std::size_t c = 0; c < columns; c += 4) {
+#ifdef __AVX__
+    detail::load_four_columns(table + c, row_length, index, &column[c]);
+#else
+    for (std::size_t k = c; k < c + 4; ++k)
+      column[k] =
+          Pack([&](auto lane) { return table[static_cast<std::size_t>(index[lane]) * row_length + k]; });
+#endif
   }
   return column;
 }
