@@ -148,8 +148,9 @@ class CurveTable {
 
  private:
   [[nodiscard]] CurvePieceOf<Pack> pieces_at(const std::array<Index, lanes>& place) const {
-    constexpr std::size_t values = sizeof(CurvePiece) / sizeof(double);
-    const auto [x0, y0, slope, rate] = load_columns<4>(&pieces_.data()->x0, values, place.data());
+    RowsOf<double, sizeof(CurvePiece)> rows{&pieces_.data()->x0, {}};
+    for (std::size_t l = 0; l < lanes; ++l) rows.at[l] = static_cast<std::size_t>(place[l]);
+    const auto [x0, y0, slope, rate] = load_columns<4>(rows);
     return {x0, y0, slope, rate,
             Pack([&](auto l) { return pieces_[static_cast<std::size_t>(place[l])].area0; })};
   }

@@ -31,7 +31,7 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
       if (values[g] > largest) continue;
       const NeighbourList::GroupRows rows = list.group(g);
       for (std::size_t e = 0; e < rows.length * group_size; ++e) {
-        std::uint8_t& other = mine[static_cast<std::size_t>(rows.first[e]) / group_size];
+        std::uint8_t& other = mine[rows.first[e].index() / group_size];
         other = std::min(other, values[g]);
       }
     }
@@ -43,18 +43,18 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
 
 /// Inverse of the shortest stable step of the particles of a group and of all within reach, 1/s.
 float rate_around(double reach, const NeighbourList& list, const Particles& p, std::size_t group) {
-  const auto own = indices_of_group(group, p.size());
-  const auto of = [](const auto& values, const Index* index) {
-    return Pack([&](std::size_t l) { return double(values[static_cast<std::size_t>(index[l])]); });
+  const auto own = entries_of_group(group, p.size());
+  const auto of = [](const auto& values, const RowEntry* entries) {
+    return Pack([&](std::size_t l) { return double(values[entries[l].index()]); });
   };
   const NeighbourList::GroupRows rows = list.group(group);
   Pack shortest = std::numeric_limits<double>::infinity();
   for (std::size_t first = 0; first < group_size; first += lanes) {
-    const Index* i = &own[first];
+    const RowEntry* i = &own[first];
     const Pack xi = of(p.position.x, i), yi = of(p.position.y, i), zi = of(p.position.z, i);
     shortest = stdx::min(shortest, of(p.own_step, i));
     for (std::size_t k = 0; k < rows.length; ++k) {
-      const Index* j = rows.first + k * group_size + first;
+      const RowEntry* j = rows.first + k * group_size + first;
       const Pack dx = xi - of(p.position.x, j), dy = yi - of(p.position.y, j), dz = zi - of(p.position.z, j);
       const PackMask near = dx * dx + dy * dy + dz * dz < reach * reach;
       shortest =
@@ -146,8 +146,8 @@ void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, dou
   const auto for_near = [&](std::size_t g, auto&& visit) {
     const NeighbourList::GroupRows rows = list.group(g);
     for (std::size_t e = 0; e < rows.length * group_size; ++e) {
-      const auto j = static_cast<std::size_t>(rows.first[e]),
-                 i = std::min(g * group_size + e % group_size, particles_ - 1);
+      const std::size_t j = rows.first[e].index(),
+                        i = std::min(g * group_size + e % group_size, particles_ - 1);
       if ((p.position[i] - p.position[j]).squaredNorm() < reach * reach) visit(j / group_size);
     }
   };

@@ -135,7 +135,7 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
       kick.duration = steps->kick_length(group);
       kick.share_before = 2 * steps->velocity_lag(group) / kick.duration;
     }
-    const GroupForces forces = sum_pair_forces<Chosen>(kernel, settings.options, list, p, group);
+    const GroupForces forces = sum_pair_forces<Chosen>(kernel, list, p, group);
     for (std::size_t k = 0, i = first; k < packs_of_single && i < end; ++k, i += lanes) {
       const std::size_t count = std::min(lanes, end - i);
       const Motion motion = kick_particles<Chosen>(kick, forces, k, i, count, held, p, total);
@@ -268,7 +268,7 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
       // 0 unless a velocity or a position is not finite.
       finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
     }
-    p.renew_motion(begin, end);
+    p.record_motion(begin, end);
     blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
   });
   DriftCheck check;

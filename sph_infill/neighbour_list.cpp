@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/error.h"
 #include "core/parallel.h"
 
 namespace tuft::sph {
@@ -77,14 +78,17 @@ struct CellBox {
 struct NeighbourList::Scratch {
   IndexSet found;
   std::vector<Index> candidates;  ///< of a group, sorted
-  std::vector<Index> rows;        ///< of a group, side by side, and room behind them
+  std::vector<RowEntry> rows;     ///< of a group, side by side, and room behind them
   std::size_t rows_size = 0;
   std::array<std::size_t, group_size> length{};
-  std::vector<Index> entries;  ///< of a block
+  std::vector<RowEntry> entries;  ///< of a block
 };
 
 NeighbourList::NeighbourList(const Vec3Array& positions, double support, double skin)
     : support_(support), skin_(skin), next_skin_(skin) {
+  if (positions.size() > RowEntry::most)
+    throw_input_error("{} particles; there may be {} at most: choose a coarser pitch or a smaller bed",
+                      positions.size(), RowEntry::most);
   const std::array<const std::vector<double>*, 3> component{&positions.x, &positions.y, &positions.z};
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [low, high] = std::minmax_element(component[d]->begin(), component[d]->end());
@@ -174,8 +178,9 @@ void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& 
     const std::size_t l = i - begin;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scratch.length[l]; ++k) {
-      const Index j = scratch.rows[k * group_size + l];
-      if (!std::binary_search(gone.begin(), gone.end(), j)) scratch.rows[kept++ * group_size + l] = j;
+      const RowEntry j = scratch.rows[k * group_size + l];
+      if (!std::binary_search(gone.begin(), gone.end(), static_cast<Index>(j.index())))
+        scratch.rows[kept++ * group_size + l] = j;
     }
     scratch.length[l] = kept;
   }
@@ -209,8 +214,9 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
       store(&distance_squared[k * lanes], squared);
     }
     if (stdx::none_of(nearest < reach_squared)) continue;
+    const RowEntry entry(c);
     for (std::size_t l = 0; l < group_size; ++l) {
-      scratch.rows[next[l]] = j;  // kept only if the row grows: no branch to mispredict
+      scratch.rows[next[l]] = entry;  // kept only if the row grows: no branch to mispredict
       next[l] +=
           group_size * static_cast<std::size_t>((distance_squared[l] < reach_squared) & (c != begin + l));
     }
@@ -221,7 +227,7 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < group_size; ++l)
     for (std::size_t k = scratch.length[l]; k < longest; ++k)
-      scratch.rows[k * group_size + l] = static_cast<Index>(std::min(begin + l, end - 1));
+      scratch.rows[k * group_size + l] = RowEntry(std::min(begin + l, end - 1));
   scratch.rows_size = longest * group_size;
 }
 
@@ -275,8 +281,8 @@ std::vector<Index> NeighbourList::row(std::size_t i) const {
   const GroupRows rows = group(i / group_size);
   std::vector<Index> others;
   for (std::size_t k = 0; k < rows.length; ++k) {
-    const Index j = rows.first[k * group_size + i % group_size];
-    if (static_cast<std::size_t>(j) != i) others.push_back(j);
+    const std::size_t j = rows.first[k * group_size + i % group_size].index();
+    if (j != i) others.push_back(static_cast<Index>(j));
   }
   return others;
 }

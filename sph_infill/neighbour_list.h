@@ -2,6 +2,7 @@
 /// Neighbour (Verlet) list from a cell list, with a skin so that it serves many steps.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,6 +19,23 @@ inline constexpr std::size_t block_size = 256;
 inline constexpr std::size_t group_size = single_lanes;
 static_assert(block_size % group_size == 0);
 
+/// A particle in a row: its index as a place in tables whose rows are a whole number of eight bytes long.
+/// Processors multiply by up to eight when they load, so that records of 32 and 64 bytes need no arithmetic.
+class RowEntry {
+ public:
+  static constexpr std::size_t places = 8;  ///< of a particle
+  /// Particles that there may be.
+  static constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max() / places;
+
+  RowEntry() = default;
+  explicit RowEntry(std::size_t index) : place_(static_cast<std::uint32_t>(places * index)) {}
+  [[nodiscard]] std::size_t place() const { return place_; }
+  [[nodiscard]] std::size_t index() const { return place_ / places; }
+
+ private:
+  std::uint32_t place_ = 0;
+};
+
 /// Rows are sorted by index. A sum over a row in that order, to which pairs beyond the support add exact
 /// zeros, does not depend on when the list was built: a run has the same bits with any skin, for any number
 /// of threads and across a checkpoint.
@@ -29,14 +47,14 @@ class NeighbourList {
   /// Entry k of lane l is first[k group_size + l]. Shorter rows end with the particle itself (the last
   /// particle in lanes beyond it), whose pair terms are exact zeros.
   struct GroupRows {
-    const Index* first;
+    const RowEntry* first;
     std::size_t length;
   };
 
   NeighbourList() = default;
   /// support: m, pairs closer than this are in the list. skin: m, how much farther it looks. The box of
   /// `positions` sizes the cells' grid; particles that leave it later share its outermost cells, which is
-  /// correct, only slower.
+  /// correct, only slower. Throws InputError for more than RowEntry::most particles.
   NeighbourList(const Vec3Array& positions, double support, double skin);
   /// m, from the next build on; until then allowed_displacement() is that of the list as it stands.
   void set_skin(double skin) { next_skin_ = skin; }
@@ -78,7 +96,7 @@ class NeighbourList {
   struct Block {
     std::array<std::uint32_t, groups_per_block + 1> begin{};
     std::uint32_t made = 0;  ///< the `begin` it belongs to
-    std::vector<Index> entries;
+    std::vector<RowEntry> entries;
   };
   /// What one thread needs to build rows.
   struct Scratch;

@@ -48,26 +48,22 @@ class Dissipation {
   using Stress = std::array<SinglePack, StressRecord::values>;
   using Residual = std::array<SinglePack, ResidualRecord::values>;
 
-  Dissipation(const SphOptions& options, const Particles& p, const Index* own)
-      : linear_(static_cast<float>(options.viscosity_linear)),
-        quadratic_(static_cast<float>(options.viscosity_quadratic)),
-        residual_(p.residual.data()) {
-    if constexpr (Chosen::controlled) own_residual_ = load_records(residual_, own);
+  Dissipation(const Particles& p, const RecordPlaces& own) : residual_(p.residual) {
+    if constexpr (Chosen::controlled) own_residual_ = own.load(residual_);
   }
 
   /// slope: V_i V_j times that of the kernel. g: slope times d.
   [[nodiscard]] SingleVector of_pair(const PairMotion& pair, const Stress& i, const Stress& j,
-                                     const Index* index, const SinglePack& slope,
+                                     const RecordPlaces& places, const SinglePack& slope,
                                      const SingleVector& g) const {
     SingleVector force{};
     if constexpr (Chosen::viscous) {
       const SinglePack approach = pair.u[0] * pair.d[0] + pair.u[1] * pair.d[1] + pair.u[2] * pair.d[2];
       const SinglePack mu = stdx::max(SinglePack(0), approach) / (pair.q_squared + 0.01F);
-      const SinglePack a = mu * ((i[9] * j[9]) * linear_ + (i[10] * j[10]) * quadratic_ * mu);
-      force = -a * g;
+      force = -(mu * (i[9] * j[9] + (i[10] * j[10]) * mu)) * g;
     }
     if constexpr (Chosen::controlled) {
-      const Residual other = load_records(residual_, index);
+      const Residual other = places.load(residual_);
       const SinglePack weight = (own_residual_[9] + other[9]) * slope;
       force = force + SinglePack(-1) * (weight * pair.u + sum_dot(own_residual_, other, g));
     }
@@ -75,8 +71,7 @@ class Dissipation {
   }
 
  private:
-  SinglePack linear_, quadratic_;
-  const ResidualRecord* residual_;
+  const std::vector<ResidualRecord>& residual_;
   Residual own_residual_;
 };
 
@@ -85,25 +80,25 @@ class Dissipation {
 /// bit, whichever rows find them. They are added in double precision, so that momentum is kept to the
 /// rounding of that.
 template <class Chosen, class KernelType>
-GroupForces sum_pair_forces(const KernelType kernel, const SphOptions& options, const NeighbourList& list,
-                            const Particles& p, std::size_t group) {
-  const auto own_index = indices_of_group(group, p.size());
-  const auto own = load_records(p.motion.data(), own_index.data());
-  const auto own_stress = load_records(p.stress.data(), own_index.data());
-  const Dissipation<Chosen> dissipation(options, p, own_index.data());
+GroupForces sum_pair_forces(const KernelType kernel, const NeighbourList& list, const Particles& p,
+                            std::size_t group) {
+  const RecordPlaces here(entries_of_group(group, p.size()).data());
+  const auto own = here.load(p.motion);
+  const auto own_stress = here.load(p.stress);
+  const Dissipation<Chosen> dissipation(p, here);
   GroupForces::Components whole{};
   SingleVector viscous{};
   const NeighbourList::GroupRows rows = list.group(group);
   for (std::size_t k = 0; k < rows.length; ++k) {
-    const Index* index = rows.first + k * group_size;
-    const auto other = load_records(p.motion.data(), index);
+    const RecordPlaces places(rows.first + k * group_size);
+    const auto other = places.load(p.motion);
     const PairMotion pair(own, other);
     const SinglePack slope = (own[3] * other[3]) * kernel.slope_shape(pair.q_squared);
     const SingleVector g = slope * pair.d;
-    const auto stress = load_records(p.stress.data(), index);
+    const auto stress = places.load(p.stress);
     SingleVector force = sum_dot(own_stress, stress, g);
     if constexpr (Chosen::dissipative) {
-      const SingleVector taken = dissipation.of_pair(pair, own_stress, stress, index, slope, g);
+      const SingleVector taken = dissipation.of_pair(pair, own_stress, stress, places, slope, g);
       viscous = viscous + taken;
       force = force + taken;
     }
@@ -112,9 +107,7 @@ GroupForces sum_pair_forces(const KernelType kernel, const SphOptions& options, 
       for (std::size_t part = 0; part < packs_of_single; ++part) whole[c][part] += wide[part];
     }
   }
-  // V in h^3, lengths in h.
-  const double h = options.smoothing_length, volume = h * h * h,
-               factor = kernel.slope_factor() * h * volume * volume;
+  const double factor = kernel.slope_factor() * p.position_unit() * p.volume_unit() * p.volume_unit();
   GroupForces forces;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto wide = widened(viscous[c]);

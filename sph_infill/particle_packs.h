@@ -28,36 +28,65 @@ auto with_kernel(const SphOptions& options, Body&& body) {
   return body(WendlandC2(options.smoothing_length));
 }
 
-/// Indices of a group's particles, a lane each; lanes beyond the last particle repeat it.
-[[nodiscard]] inline std::array<Index, group_size> indices_of_group(std::size_t group, std::size_t count) {
-  std::array<Index, group_size> index;
+/// Those of a group, a lane each; lanes beyond the last particle repeat it.
+[[nodiscard]] inline std::array<RowEntry, group_size> entries_of_group(std::size_t group, std::size_t count) {
+  std::array<RowEntry, group_size> entries;
   for (std::size_t l = 0; l < group_size; ++l)
-    index[l] = static_cast<Index>(std::min(group * group_size + l, count - 1));
-  return index;
+    entries[l] = RowEntry(std::min(group * group_size + l, count - 1));
+  return entries;
+}
+
+/// Where the records of some particles lie, a lane each.
+class RecordPlaces {
+ public:
+  explicit RecordPlaces(const RowEntry* entries) {
+    for (std::size_t l = 0; l < group_size; ++l) place_[l] = entries[l].place();
+  }
+
+  /// The records as columns. Of a motion's the first three are integers: integer_difference.
+  template <class Record>
+  [[nodiscard]] std::array<SinglePack, Record::values> load(const std::vector<Record>& records) const {
+    constexpr std::size_t bytes = sizeof(Record) / RowEntry::places;
+    return load_columns<Record::values>(
+        RowsOf<float, bytes>{reinterpret_cast<const float*>(records.data()), place_});
+  }
+
+ private:
+  std::array<std::size_t, group_size> place_;
+};
+
+/// Columns as the values of the records of `count` particles from i on.
+template <class Record>
+void store_records(const std::array<Pack, Record::values>& column, std::size_t i, std::size_t count,
+                   std::vector<Record>& records) {
+  auto* first = reinterpret_cast<float*>(&records[i]);
+  for (std::size_t c = 0; c < Record::values; c += 4)
+    store_four_columns(
+        {narrowed(column[c]), narrowed(column[c + 1]), narrowed(column[c + 2]), narrowed(column[c + 3])},
+        count, first + c, sizeof(Record) / sizeof(float));
 }
 
 using SingleVector = std::array<SinglePack, 3>;
 
-/// What a pair loop sees of two particles, lengths over h.
+/// What a pair loop sees of two particles.
 struct PairMotion {
-  SingleVector d;        ///< x_i - x_j
-  SinglePack q_squared;  ///< |d|^2
+  SingleVector d;        ///< x_i - x_j, in units of position: whole numbers
+  SinglePack q_squared;  ///< |d|^2 over h^2
   SingleVector u;        ///< v_j - v_i, m/s
 
   using Record = std::array<SinglePack, MotionRecord::values>;
   PairMotion(const Record& i, const Record& j)
-      : d{MotionRecord::position_unit * integer_difference(i[0], j[0]),
-          MotionRecord::position_unit * integer_difference(i[1], j[1]),
-          MotionRecord::position_unit * integer_difference(i[2], j[2])},
-        q_squared(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
+      : d{integer_difference(i[0], j[0]), integer_difference(i[1], j[1]), integer_difference(i[2], j[2])},
+        q_squared((MotionRecord::position_unit * MotionRecord::position_unit) *
+                  (d[0] * d[0] + d[1] * d[1] + d[2] * d[2])),
         u{j[4] - i[4], j[5] - i[5], j[6] - i[6]} {}
 };
 
 /// Pairs of a lane that loops take before they go over them again.
 inline constexpr std::size_t row_chunk = 32;
 
-/// Calls body(index, count) for the rows of a group, row_chunk entries of each at a time or fewer: entry k of
-/// lane l is index[k group_size + l].
+/// Calls body(entries, count) for the rows of a group, row_chunk entries of each at a time or fewer: entry k
+/// of lane l is entries[k group_size + l].
 template <class Body>
 void for_chunks(const NeighbourList::GroupRows& rows, Body&& body) {
   for (std::size_t k = 0; k < rows.length; k += row_chunk)

@@ -4,7 +4,6 @@
 /// Pair loops read neighbours in no order that memory likes: what they need of one lies together, as a
 /// record.
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -35,35 +34,23 @@ struct alignas(32) MotionRecord {
 struct alignas(64) StressRecord {
   std::array<float, 9>
       s{};  ///< S of sph_loops.h by rows, Pa: the half of a pair force that a particle brings
-  /// Factors of the viscous pair force, of each particle one: sqrt(rho c), sqrt(rho).
+  /// Factors of the viscous pair force (pair_forces.h), of each particle one: sqrt(alpha rho c e), sqrt(beta
+  /// rho) e, e the unit of positions over h.
   float viscous_linear = 0, viscous_quadratic = 0;
   float wave_speed = 0;  ///< m/s
   std::array<float, 4> unused{};
 
-  static constexpr std::size_t values = 12, room = 16;
+  static constexpr std::size_t values = 12;
 };
 
 /// What the force loop reads where zero-energy modes are controlled; see sph_loops.h.
 struct alignas(64) ResidualRecord {
   std::array<float, 9> c_l{};  ///< C L by rows, Pa
-  float c = 0;                 ///< C/h, Pa s/m
+  float c = 0;                 ///< C over the unit of positions, Pa s/m
   std::array<float, 6> unused{};
 
-  static constexpr std::size_t values = 12, room = 16;
+  static constexpr std::size_t values = 12;
 };
-
-/// The records of the particles named, a lane each, as columns. Of a motion's the first three are integers:
-/// integer_difference.
-[[nodiscard]] inline std::array<SinglePack, MotionRecord::values> load_records(const MotionRecord* records,
-                                                                               const Index* index) {
-  return load_columns<MotionRecord::values>(reinterpret_cast<const float*>(records), MotionRecord::values,
-                                            index);
-}
-template <class Record>
-[[nodiscard]] inline std::array<SinglePack, Record::values> load_records(const Record* records,
-                                                                         const Index* index) {
-  return load_columns<Record::values>(reinterpret_cast<const float*>(records), Record::room, index);
-}
 
 struct Particles {
   // What a checkpoint holds.
@@ -94,6 +81,9 @@ struct Particles {
   std::vector<ResidualRecord> residual;  ///< empty where zero-energy modes are not controlled
 
   [[nodiscard]] std::size_t size() const { return mass.size(); }
+  /// Units of motion's records, m and m^3.
+  [[nodiscard]] double position_unit() const { return smoothing_length * MotionRecord::position_unit; }
+  [[nodiscard]] double volume_unit() const { return smoothing_length * smoothing_length * smoothing_length; }
 
   /// `count` particles, all values zero. smoothing_length: h, m.
   void assign(std::size_t count, double h) {
@@ -108,31 +98,10 @@ struct Particles {
     stress.assign(count, {});
   }
 
-  /// Makes the motion's record of particle i current.
-  void record_motion(std::size_t i) {
-    motion[i].inverse_mass = static_cast<float>(1 / mass[i]);
-    renew_motion(i, i + 1);
-  }
-  void record_motion() {
-    for (std::size_t i = 0; i < size(); ++i) record_motion(i);
-  }
-  /// Those of the particles from `begin` to before `end`, whose masses are as they were.
-  void renew_motion(std::size_t begin, std::size_t end) {
-    const double per_unit = 1 / (smoothing_length * MotionRecord::position_unit);
-    const double per_volume = 1 / (smoothing_length * smoothing_length * smoothing_length);
-    // The sum has no binary digits behind the point, and the integer, modulo 2^32, in its last 32.
-    const auto units = [per_unit](double x) {
-      return static_cast<std::int32_t>(
-          static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_unit + 0x1.8p52)));
-    };
-    for (std::size_t i = begin; i < end; ++i) {
-      MotionRecord& m = motion[i];
-      m.x = units(position.x[i]), m.y = units(position.y[i]), m.z = units(position.z[i]);
-      m.volume = static_cast<float>(volume[i] * per_volume);
-      m.vx = static_cast<float>(velocity.x[i]), m.vy = static_cast<float>(velocity.y[i]);
-      m.vz = static_cast<float>(velocity.z[i]);
-    }
-  }
+  /// Makes motion's records current: those of the particles from `begin` to before `end`, of one, of all.
+  void record_motion(std::size_t begin, std::size_t end);
+  void record_motion(std::size_t i) { record_motion(i, i + 1); }
+  void record_motion() { record_motion(0, size()); }
 
   [[nodiscard]] SoilState soil_state(std::size_t i) const {
     return {compression[i],

@@ -55,7 +55,7 @@ void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
        g < (block + 1) * (block_size / group_size) && g * group_size < particles_; ++g) {
     const NeighbourList::GroupRows rows = list.group(g);
     for (std::size_t e = 0; e < rows.length * group_size; ++e)
-      is_near[static_cast<std::size_t>(rows.first[e]) / block_size] = 1;
+      is_near[rows.first[e].index() / block_size] = 1;
   }
   neighbours_[block].clear();
   for (std::size_t other = 0; other < is_near.size(); ++other)

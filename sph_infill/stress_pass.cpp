@@ -18,7 +18,7 @@ struct GradientSumsOf {
   SymmetricTensorOf<Real> mobility;
 };
 
-/// What the sums take of a pair, w = V_j times the shape of the kernel's slope; lengths over h.
+/// What the sums take of a pair, w = V_j times the shape of the kernel's slope; in units of the records.
 struct WeighedPair {
   SinglePack dx, dy, dz;    ///< x_i - x_j
   SinglePack wx, wy, wz;    ///< w (x_i - x_j)
@@ -60,10 +60,10 @@ void add_mobilities(std::span<const WeighedPair> pairs, SymmetricTensorOf<Single
 /// See GradientSums; a particle a lane.
 using GroupGradients = std::array<GradientSumsOf<Pack>, packs_of_single>;
 
-/// In units of the particles: `factor` is the kernel's, V is in h^3 and lengths are over h.
-GroupGradients widened_sums(const GradientSumsOf<SinglePack>& sums, double factor, double h) {
+/// In units of the particles: `factor` is the kernel's.
+GroupGradients widened_sums(const GradientSumsOf<SinglePack>& sums, double factor, const Particles& p) {
   GroupGradients wide;
-  const double gradient = factor * (h * h) * (h * h), moment = gradient * h;
+  const double gradient = factor * p.volume_unit() * p.position_unit(), moment = gradient * p.position_unit();
   const auto widen = [&wide](double by, const SinglePack& single, auto&& in) {
     const auto packs = widened(single);
     for (std::size_t k = 0; k < packs.size(); ++k) in(wide[k]) = by * packs[k];
@@ -94,13 +94,12 @@ GroupGradients widened_sums(const GradientSumsOf<SinglePack>& sums, double facto
 template <class KernelType>
 GroupGradients sum_pair_gradients(const KernelType kernel, const NeighbourList& list, const Particles& p,
                                   std::size_t group) {
-  const auto own_index = indices_of_group(group, p.size());
-  const auto own = load_records(p.motion.data(), own_index.data());
+  const auto own = RecordPlaces(entries_of_group(group, p.size()).data()).load(p.motion);
   GradientSumsOf<SinglePack> sum;
   std::array<WeighedPair, row_chunk> weighed;
-  for_chunks(list.group(group), [&](const Index* index, std::size_t count) {
+  for_chunks(list.group(group), [&](const RowEntry* entries, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
-      const auto other = load_records(p.motion.data(), index + k * group_size);
+      const auto other = RecordPlaces(entries + k * group_size).load(p.motion);
       const PairMotion pair(own, other);
       const SinglePack w = other[3] * kernel.slope_shape(pair.q_squared);
       const auto& [dx, dy, dz] = pair.d;
@@ -111,7 +110,7 @@ GroupGradients sum_pair_gradients(const KernelType kernel, const NeighbourList& 
     add_velocities(pairs, sum.velocity);
     add_mobilities(pairs, sum.mobility);
   });
-  return widened_sums(sum, kernel.slope_factor(), p.smoothing_length);
+  return widened_sums(sum, kernel.slope_factor(), p);
 }
 
 template <SoilEffects on>
@@ -152,33 +151,32 @@ PackMask is_valid(const SoilStateOf<Pack>& state) {
 
 /// S = (v*/V) sigma B, the half of the pair force that a particle brings, and its viscous factors. growth:
 /// v*/V.
-void store_stress_records(const SoilStateOf<Pack>& state, const SymmetricTensorOf<Pack>& correction,
-                          const Pack& growth, const Pack& wave_speed, const Pack& viscous_linear,
-                          const Pack& viscous_quadratic, std::size_t i, std::size_t count, Particles& p) {
+void store_stress_records(const LoopSettings& settings, const SoilStateOf<Pack>& state,
+                          const SymmetricTensorOf<Pack>& correction, const Pack& growth, const Pack& density,
+                          const Pack& wave_speed, std::size_t i, std::size_t count, Particles& p) {
   SymmetricTensorOf<Pack> stress = state.deviator;
   stress.xx -= state.pressure, stress.yy -= state.pressure, stress.zz -= state.pressure;
   const TensorOf<Pack> q = dot(growth * stress, correction);
-  const std::array<const Pack*, 9> component{&q.xx, &q.xy, &q.xz, &q.yx, &q.yy, &q.yz, &q.zx, &q.zy, &q.zz};
-  for (std::size_t l = 0; l < count; ++l) {
-    StressRecord& record = p.stress[i + l];
-    for (std::size_t c = 0; c < 9; ++c) record.s[c] = static_cast<float>((*component[c])[l]);
-    record.viscous_linear = static_cast<float>(viscous_linear[l]);
-    record.viscous_quadratic = static_cast<float>(viscous_quadratic[l]);
-    record.wave_speed = static_cast<float>(wave_speed[l]);
+  Pack linear = 0, quadratic = 0;
+  if (settings.artificial_viscosity) {
+    const double unit = MotionRecord::position_unit;
+    const Pack root = stdx::sqrt(density);
+    linear = root * stdx::sqrt((settings.options.viscosity_linear * unit) * wave_speed);
+    quadratic = (unit * std::sqrt(settings.options.viscosity_quadratic)) * root;
   }
+  store_records(
+      std::array{q.xx, q.xy, q.xz, q.yx, q.yy, q.yz, q.zx, q.zy, q.zz, linear, quadratic, wave_speed}, i,
+      count, p.stress);
 }
 
 /// C L and C/h; C = zeta rho c h, or 0 where L is not the fit of the neighbours' motion.
 void store_residual_records(const SphOptions& options, const TensorOf<Pack>& l, const PackMask& fitted,
                             const Pack& impedance, std::size_t i, std::size_t count, Particles& p) {
-  const Pack c_over_h = select(fitted, options.zero_energy_viscosity * impedance, Pack(0.0));
-  const std::array<const Pack*, 9> component{&l.xx, &l.xy, &l.xz, &l.yx, &l.yy, &l.yz, &l.zx, &l.zy, &l.zz};
-  for (std::size_t k = 0; k < count; ++k) {
-    ResidualRecord& record = p.residual[i + k];
-    const double c = options.smoothing_length * c_over_h[k];
-    for (std::size_t n = 0; n < 9; ++n) record.c_l[n] = static_cast<float>(c * (*component[n])[k]);
-    record.c = static_cast<float>(c_over_h[k]);
-  }
+  const Pack c =
+      select(fitted, (options.zero_energy_viscosity * options.smoothing_length) * impedance, Pack(0.0));
+  store_records(std::array{c * l.xx, c * l.xy, c * l.xz, c * l.yx, c * l.yy, c * l.yz, c * l.zx, c * l.zy,
+                           c * l.zz, c / p.position_unit(), Pack(0.0), Pack(0.0)},
+                i, count, p.residual);
 }
 
 /// Squared length of row i of L in mass-scaled velocities, 1/(kg m^2), in the parts that stable_step.h bounds
@@ -242,15 +240,10 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   total.stable_step = stdx::min(total.stable_step, stable);
   if (!p.own_step.empty())
     for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
-  Pack linear = 0, quadratic = 0;
-  if (settings.artificial_viscosity) {
-    quadratic = stdx::sqrt(mass / volume);
-    linear = quadratic * stdx::sqrt(wave_speed);
-  }
-  store_stress_records(state, correction, volume / weighed, wave_speed, linear, quadratic, i, count, p);
+  const Pack density = mass / volume;
+  store_stress_records(settings, state, correction, volume / weighed, density, wave_speed, i, count, p);
   if (settings.zero_energy_control)
-    store_residual_records(settings.options, velocity_gradient, fitted, mass / volume * wave_speed, i, count,
-                           p);
+    store_residual_records(settings.options, velocity_gradient, fitted, density * wave_speed, i, count, p);
 }
 
 /// update_particles for the effects of the scene. Apart from the kernel's loop: there are many combinations

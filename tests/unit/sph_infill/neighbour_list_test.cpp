@@ -44,7 +44,7 @@ TEST(NeighbourList, EndsShorterRowsOfAGroupWithTheParticleItself) {
       const std::size_t own = g * group_size + l < n ? list.row(i).size() : 0;
       longest = std::max(longest, own);
       for (std::size_t k = own; k < rows.length; ++k)
-        EXPECT_EQ(rows.first[k * group_size + l], static_cast<Index>(i)) << "group " << g << ", lane " << l;
+        EXPECT_EQ(rows.first[k * group_size + l].index(), i) << "group " << g << ", lane " << l;
     }
     EXPECT_EQ(rows.length, longest);
   }
