@@ -70,17 +70,18 @@ struct ParticleView {
                : std::cbrt(radius[i] * radius[i] * half_height[i]);
   }
   [[nodiscard]] std::size_t size() const { return x.size(); }
+  [[nodiscard]] bool has_spin() const { return !wx.empty(); }
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }
   [[nodiscard]] Vec3 spin(std::size_t i) const {
-    return wx.empty() ? Vec3(0, 0, 0) : Vec3(wx[i], wy[i], wz[i]);
+    return has_spin() ? Vec3(wx[i], wy[i], wz[i]) : Vec3(0, 0, 0);
   }
 };
 
 /// What contact gives each particle over one window. The infill spreads it evenly over its substeps.
 struct ContactImpulses {
   Vec3Array linear;   ///< N s
-  Vec3Array angular;  ///< N m s about the particle's centre; ignored where particles have no spin
+  Vec3Array angular;  ///< N m s about the particle's centre; empty where particles have no spin
 };
 
 /// Energies of the infill, J, all as of one moment: the last force evaluation, with the kinetic energy

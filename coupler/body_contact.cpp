@@ -11,6 +11,9 @@
 namespace tuft::coupler {
 namespace {
 
+/// Pairs from which on other threads are called in.
+constexpr std::size_t least_for_threads = 1024;
+
 constexpr double tangential_ratio = ContactParameters{}.tangential_ratio;
 
 SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahead) {
@@ -118,7 +121,7 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
                            double dt, double release, double release_before, double weight, Vec3Array& linear,
                            Vec3Array* angular, BodyImpulses& on_bodies) {
   const std::size_t pairs = keys_.size();
-#pragma omp parallel for schedule(static) if (pairs > 1024)
+#pragma omp parallel for schedule(static) if (pairs > least_for_threads)
   for (std::size_t g = 0; g < pairs; ++g) {
     if (!points.kicks.empty() && !bodies[key_other(keys_[g])].can_move()) {
       results_[g] = evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
@@ -213,13 +216,16 @@ std::vector<double> BodyContact::stable_steps(const ParticleView& points,
   // Before the first search a point may be near any three bodies.
   if (!searched_ || !all_stiffen_)
     for (std::size_t i = 0; i < points.size(); ++i) set(i, stiffness_apart(i), searched_ ? 0 : 3);
-  for (std::size_t g = 0; g < keys_.size();) {  // sorted by point
-    const Index i = key_point(keys_[g]);
+  const std::size_t pairs = keys_.size();
+#pragma omp parallel for schedule(static) if (pairs > least_for_threads)
+  for (std::size_t first = 0; first < pairs; ++first) {  // sorted by point: each goes with its first pair
+    const Index i = key_point(keys_[first]);
+    if (first > 0 && key_point(keys_[first - 1]) == i) continue;
     double k = stiffness_apart(static_cast<std::size_t>(i));
-    int near = 0;
-    for (; g < keys_.size() && key_point(keys_[g]) == i; ++g, ++near)
+    std::size_t g = first;
+    for (; g < pairs && key_point(keys_[g]) == i; ++g)
       k = std::max(k, coming_stiffness(keys_[g], points, bodies, horizon));
-    set(static_cast<std::size_t>(i), k, near);
+    set(static_cast<std::size_t>(i), k, static_cast<int>(g - first));
   }
   return steps;
 }

@@ -190,7 +190,7 @@ void ParticleShellContact::evaluate(const ParticleView& particles, double ahead,
     for (const ParticleForce& of : block.particles) {
       const Vec3 impulse = of.force * dt;
       impulses.linear.add(of.particle, impulse);
-      impulses.angular.add(of.particle, of.arm.cross(impulse));
+      if (impulses.angular.size() > 0) impulses.angular.add(of.particle, of.arm.cross(impulse));
     }
     for (const FacetForce& of : block.facets) {
       const auto& quad = mesh_.quads[of.element];

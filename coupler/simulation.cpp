@@ -47,10 +47,10 @@ Simulation::Simulation(SimulationParts parts)
       ledger_(parts_.numerics.energy_error_limit, parts_.energy_scale),
       time_(parts_.time),
       start_time_(parts_.time) {
-  const std::size_t particles = parts_.infill->particles().size();
+  const ParticleView particles = parts_.infill->particles();
   node_force_.assign(parts_.carpet->nodes().x.size(), 0.0);
-  impulses_.linear.assign(particles, 0.0);
-  impulses_.angular.assign(particles, 0.0);
+  impulses_.linear.assign(particles.size(), 0.0);
+  if (particles.has_spin()) impulses_.angular.assign(particles.size(), 0.0);
   body_impulses_.impulse.assign(parts_.bodies.size(), Vec3::Zero());
   interval_impulse_.assign(parts_.bodies.size(), Vec3::Zero());
   for (const RigidBody& body : parts_.bodies)
@@ -166,7 +166,7 @@ void Simulation::advance_window(bool last) {
     const ScopedPhase phase(timers_, Phase::contact);
     particle_body_.evaluate(particles, parts_.bodies, 0, plan_.window, release_at(time_),
                             release_at(time_ - plan_.window), plan_.window, impulses_.linear,
-                            &impulses_.angular, body_impulses_);
+                            particles.has_spin() ? &impulses_.angular : nullptr, body_impulses_);
   }
   Vec3 extra(0, 0, 0);
   if (infill_acceleration_.squaredNorm() > 0) {
@@ -227,7 +227,7 @@ ParticleView Simulation::contact_view() const {
   view.vx = window_velocity_.x;
   view.vy = window_velocity_.y;
   view.vz = window_velocity_.z;
-  if (!view.wx.empty()) {
+  if (view.has_spin()) {
     view.wx = window_spin_.x;
     view.wy = window_spin_.y;
     view.wz = window_spin_.z;

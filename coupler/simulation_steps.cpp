@@ -20,11 +20,11 @@ StableSteps Simulation::stable_steps(double interval) const {
   const ParticleView particles = parts_.infill->particles();
   std::vector<double> steps = particle_body_.stable_steps(particles, parts_.bodies, interval, !has_carpet());
   double touching = *std::min_element(steps.begin(), steps.end());
+  if (!has_carpet())  // the infill alone sets the window
+    return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
   particle_body_.leave_near(steps);  // of what touches both the springs add up
   particle_shell_.shorten_steps(particles, steps);
   touching = std::min(touching, *std::min_element(steps.begin(), steps.end()));
-  if (!has_carpet())  // the infill alone sets the window
-    return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
   return {parts_.carpet->stable_step(), infill, touching, parts_.carpet->subcycle_ratio()};
 }
 

@@ -128,10 +128,14 @@ void IndividualSteps::look_around(const NeighbourList& list, const Particles& p,
   keep_pace(list);
 }
 
+bool IndividualSteps::bears(std::size_t group, double step, double share) const {
+  const double own = step * rate_[group], contact = step * contact_rate_[group];
+  return own * own + contact * contact <= share * share;
+}
+
 std::uint8_t IndividualSteps::longest_period(std::size_t group, double dt) const {
-  const double rate = std::hypot(rate_[group], contact_rate_[group]);
   int period = largest_;
-  while (period > 1 && !(period * dt * rate <= safety_)) period /= 2;
+  while (period > 1 && !bears(group, period * dt, safety_)) period /= 2;
   return static_cast<std::uint8_t>(period);
 }
 
@@ -161,8 +165,7 @@ void IndividualSteps::shorten(const NeighbourList& list, const Particles& p, dou
     for_near(g, raise);
   }
   for (std::size_t g = 0; g < groups(); ++g)
-    if (period_[g] > 1 && !(period_[g] * dt * std::hypot(rate_[g], contact_rate_[g]) <= most_of_step))
-      shorten_to(g, longest_period(g, dt));
+    if (period_[g] > 1 && !bears(g, period_[g] * dt, most_of_step)) shorten_to(g, longest_period(g, dt));
   for (std::size_t k = 0; k < shortened_.size(); ++k)  // it grows
     for_near(shortened_[k],
              [&](std::size_t other) { shorten_to(other, largest_ratio * period_[shortened_[k]]); });

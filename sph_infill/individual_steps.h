@@ -96,6 +96,8 @@ class IndividualSteps {
   [[nodiscard]] std::size_t groups() const { return period_.size(); }
   void limit_ratios(const NeighbourList& list);
   void keep_pace(const NeighbourList& list);
+  /// Whether steps of `step` seconds are at most `share` of what a group, with contact, is stable with.
+  [[nodiscard]] bool bears(std::size_t group, double step, double share) const;
   [[nodiscard]] std::uint8_t longest_period(std::size_t group, double dt) const;
   /// Shortens a group's period if that is too long, and notes it in `shortened_`.
   void shorten_to(std::size_t group, int period);

@@ -30,18 +30,6 @@ struct PackSums {
   Work viscous, damping, contact, holding;
   PackVector impulse{}, impulse_scale{};
 
-  /// Of the first `count` lanes.
-  void add(const PackSums& other, std::size_t count) {
-    const auto one = [count](Pack& sum, const Pack& value) { sum += only(value, count); };
-    const auto work = [&](Work& sum, const Work& value) {
-      one(sum.until_now, value.until_now), one(sum.whole, value.whole);
-    };
-    one(kinetic, other.kinetic), one(gravity_potential, other.gravity_potential);
-    work(viscous, other.viscous), work(damping, other.damping);
-    work(contact, other.contact), work(holding, other.holding);
-    for (std::size_t d = 0; d < 3; ++d)
-      one(impulse[d], other.impulse[d]), one(impulse_scale[d], other.impulse_scale[d]);
-  }
   [[nodiscard]] KickSums sum() const {
     const auto work = [](const Work& w) { return KickWork{sum_lanes(w.until_now), sum_lanes(w.whole)}; };
     const auto vector = [](const PackVector& v) {
@@ -89,34 +77,33 @@ Motion kick_particles(const Kick& kick, const GroupForces& forces, std::size_t p
   }
   store_vectors(after, p.velocity, i, count);
 
-  PackSums sums;
-  const auto work_of = [&](const PackVector& given) {
-    return PackSums::Work{0.5 * kick.share_before * dot(given, before), dot(given, mean)};
+  const auto add = [count](Pack& sum, const Pack& value) { sum += only(value, count); };
+  const auto add_work = [&](PackSums::Work& sum, const PackVector& given) {
+    add(sum.until_now, 0.5 * kick.share_before * dot(given, before)), add(sum.whole, dot(given, mean));
   };
   // v . (v before and what of the change belongs before t_k)
-  sums.kinetic = mass * ((0.5 - 0.5 * kick.share_before) * dot(before, before) +
-                         0.5 * kick.share_before * dot(before, after));
+  add(total.kinetic, mass * ((0.5 - 0.5 * kick.share_before) * dot(before, before) +
+                             0.5 * kick.share_before * dot(before, after)));
   const PackVector x = load_vectors(p.position, i, count);
-  sums.gravity_potential =
-      -mass * (kick.gravity.x() * x[0] + kick.gravity.y() * x[1] + kick.gravity.z() * x[2]);
+  add(total.gravity_potential,
+      -mass * (kick.gravity.x() * x[0] + kick.gravity.y() * x[1] + kick.gravity.z() * x[2]));
   if constexpr (Chosen::dissipative) {
     const auto& f = forces.viscous;
-    sums.viscous = work_of({-t * f[0][part], -t * f[1][part], -t * f[2][part]});
+    add_work(total.viscous, {-t * f[0][part], -t * f[1][part], -t * f[2][part]});
   }
   if (kick.damping != 0) {
     const Pack rate = kick.damping * t * mass;
-    sums.damping = work_of({rate * mean[0], rate * mean[1], rate * mean[2]});
+    add_work(total.damping, {rate * mean[0], rate * mean[1], rate * mean[2]});
   }
   if (kick.impulse) {
-    sums.contact = work_of(impulse);
-    sums.impulse = impulse;
-    for (std::size_t d = 0; d < 3; ++d) sums.impulse_scale[d] = stdx::abs(impulse[d]);
+    add_work(total.contact, impulse);
+    for (std::size_t d = 0; d < 3; ++d)
+      add(total.impulse[d], impulse[d]), add(total.impulse_scale[d], stdx::abs(impulse[d]));
   }
   if (held) {
     const Pack inertia = mass * (1 + half_damping);
-    sums.holding = work_of({inertia * free[0], inertia * free[1], inertia * free[2]});
+    add_work(total.holding, {inertia * free[0], inertia * free[1], inertia * free[2]});
   }
-  total.add(sums, count);
   return {dot(before, before), dot(change, change) / (t * t)};
 }
 
