@@ -11,22 +11,12 @@ namespace tuft {
 
 inline constexpr std::size_t sum_block = 512;  ///< fixed, so that a sum does not depend on the thread count
 
-inline void set_threads(int count) {
-  omp_set_num_threads(count);
-}
+inline void set_threads(int count) { omp_set_num_threads(count); }
 
 /// body(i) for i in [0, count). Bodies must not write what another index reads or writes.
 template <class Body>
 void parallel_for(std::size_t count, Body&& body) {
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < count; ++i) body(i);
-}
-
-/// The same where bodies take times that differ much, or threads do: each takes the next when it has done
-/// one.
-template <class Body>
-void parallel_for_uneven(std::size_t count, Body&& body) {
-#pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t i = 0; i < count; ++i) body(i);
 }
 

@@ -267,14 +267,14 @@ std::span<const Index> NeighbourList::complete(const Vec3Array& positions, std::
   to_make_.clear();
   for (const Index b : blocks)
     if (blocks_[static_cast<std::size_t>(b)].made != begun_) to_make_.push_back(b);
-  parallel_for_uneven(to_make_.size(),
-                      [&](std::size_t k) { make_rows(positions, static_cast<std::size_t>(to_make_[k])); });
+  parallel_for(to_make_.size(),
+               [&](std::size_t k) { make_rows(positions, static_cast<std::size_t>(to_make_[k])); });
   return to_make_;
 }
 
 void NeighbourList::build(const Vec3Array& positions) {
   begin(positions);
-  parallel_for_uneven(blocks_.size(), [&](std::size_t b) { make_rows(positions, b); });
+  parallel_for(blocks_.size(), [&](std::size_t b) { make_rows(positions, b); });
 }
 
 std::vector<Index> NeighbourList::row(std::size_t i) const {

@@ -16,9 +16,9 @@ namespace tuft::sph {
 template <class Work>
 void for_blocks(std::size_t count, const Sleep* sleep, Work&& work) {
   const auto at = [&](std::size_t b) { work(b, b * block_size, std::min(count, (b + 1) * block_size)); };
-  if (!sleep) return parallel_for_uneven((count + block_size - 1) / block_size, at);
+  if (!sleep) return parallel_for((count + block_size - 1) / block_size, at);
   const std::span<const Index> computed = sleep->computed();
-  parallel_for_uneven(computed.size(), [&](std::size_t k) { at(static_cast<std::size_t>(computed[k])); });
+  parallel_for(computed.size(), [&](std::size_t k) { at(static_cast<std::size_t>(computed[k])); });
 }
 
 /// Calls body(kernel) with the chosen kernel as a value of its own type.

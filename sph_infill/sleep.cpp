@@ -63,12 +63,12 @@ void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
 }
 
 void Sleep::set_neighbours(const NeighbourList& list, std::span<const Index> blocks) {
-  parallel_for_uneven(blocks.size(),
-                      [&](std::size_t k) { find_neighbours(list, static_cast<std::size_t>(blocks[k])); });
+  parallel_for(blocks.size(),
+               [&](std::size_t k) { find_neighbours(list, static_cast<std::size_t>(blocks[k])); });
 }
 
 void Sleep::set_neighbours(const NeighbourList& list) {
-  parallel_for_uneven(neighbours_.size(), [&](std::size_t b) { find_neighbours(list, b); });
+  parallel_for(neighbours_.size(), [&](std::size_t b) { find_neighbours(list, b); });
 }
 
 bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec3Array& impulses,
@@ -108,7 +108,7 @@ void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double
     for (const Index other : neighbours_[static_cast<std::size_t>(m)])
       computed_now_[static_cast<std::size_t>(other)] = 1;
   }
-  parallel_for_uneven(blocks, [&](std::size_t b) {
+  parallel_for(blocks, [&](std::size_t b) {
     if (computed_now_[b] == 0 && impulses && contact_has_changed(b, particles, *impulses, window, kicks))
       computed_now_[b] = 1;
     if (computed_now_[b] != 0) remember_contact(b, impulses, window, kicks);
