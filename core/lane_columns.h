@@ -1,7 +1,7 @@
 #pragma once
 /// Values that lie together in memory, by rows, loaded as packs, by columns: lane l of column c is value c of
-/// row index[l]. A row is read whole, as neighbours' values in a pair loop should be, and the lanes are
-/// sorted out in registers: several times faster than gathering column by column.
+/// the row of lane l. A row is read whole, as neighbours' values in a pair loop should be, and the lanes are
+/// sorted out in registers: several times faster than gathering column by column. Rows are stored likewise.
 #include <array>
 #include <bit>
 #include <cstdint>

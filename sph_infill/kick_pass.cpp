@@ -238,25 +238,31 @@ DriftCheck drift(double dt, const Vec3& frame, const TurfBox& box, Particles& p,
   if (sleep)
     std::fill(blocks.begin(), blocks.end(), DriftCheck{frame.squaredNorm(), Vec3::Zero(), true, false});
   for_blocks(p.size(), sleep, [&](std::size_t b, std::size_t begin, std::size_t end) {
-    const Vec3Array& v = p.velocity;
-    double largest = 0, finite = 0, sum_x = 0, sum_y = 0, sum_z = 0, beyond = 0;
-#pragma omp simd reduction(max : largest, beyond) reduction(+ : finite, sum_x, sum_y, sum_z)
-    for (std::size_t i = begin; i < end; ++i) {
-      p.position.x[i] += dt * v.x[i];
-      p.position.y[i] += dt * v.y[i];
-      p.position.z[i] += dt * v.z[i];
-      const double ux = v.x[i] - frame.x(), uy = v.y[i] - frame.y(), uz = v.z[i] - frame.z();
-      const double speed_squared = ux * ux + uy * uy + uz * uz;
-      largest = std::max(largest, speed_squared);
-      sum_x += v.x[i], sum_y += v.y[i], sum_z += v.z[i];
-      beyond = std::max(beyond, std::max(box.low.x() - p.position.x[i], p.position.x[i] - box.high.x()));
-      beyond = std::max(beyond, std::max(box.low.y() - p.position.y[i], p.position.y[i] - box.high.y()));
-      beyond = std::max(beyond, std::max(box.low.z() - p.position.z[i], p.position.z[i] - box.high.z()));
-      // 0 unless a velocity or a position is not finite.
-      finite += 0 * (speed_squared + p.position.x[i] + p.position.y[i] + p.position.z[i]);
+    Pack largest = 0, not_finite = 0, beyond = 0;
+    PackVector velocity_sum{};
+    for (std::size_t i = begin; i < end; i += lanes) {
+      const std::size_t count = std::min(lanes, end - i);
+      const PackVector v = load_vectors(p.velocity, i, count);
+      PackVector x = load_vectors(p.position, i, count);
+      Pack speed_squared = 0;
+      for (std::size_t d = 0; d < 3; ++d) {
+        const auto axis = static_cast<Eigen::Index>(d);
+        x[d] += dt * v[d];
+        const Pack u = v[d] - frame[axis];
+        speed_squared += u * u;
+        velocity_sum[d] += only(v[d], count);
+        beyond = stdx::max(beyond, stdx::max(box.low[axis] - x[d], x[d] - box.high[axis]));
+      }
+      store_vectors(x, p.position, i, count);
+      largest = stdx::max(largest, speed_squared);
+      not_finite += 0.0 * (speed_squared + (x[0] + x[1] + x[2]));  // 0 unless one is not
     }
     p.record_motion(begin, end);
-    blocks[b] = {largest, {sum_x, sum_y, sum_z}, finite == 0, beyond > 0};
+    const auto& sum = velocity_sum;
+    blocks[b] = {-smallest_lane(-largest),
+                 {sum_lanes(sum[0]), sum_lanes(sum[1]), sum_lanes(sum[2])},
+                 sum_lanes(not_finite) == 0,
+                 stdx::any_of(beyond > 0.0)};
   });
   DriftCheck check;
   for (const DriftCheck& block : blocks) {

@@ -39,7 +39,7 @@ template <std::size_t count>
 ///
 /// Viscosity (Monaghan 1992): pressure-like (-alpha c mu + beta mu^2)/rho on approaching pairs, mu = h
 /// u.d/(d^2 + 0.01 h^2). Means of rho and c of a pair are geometric, so that the pair's factor is a product
-/// of one number of each.
+/// of one number of each. Those numbers hold alpha, beta and the unit of positions too, in which mu is taken.
 ///
 /// The control of zero-energy modes: see sph_loops.h.
 template <class Chosen>

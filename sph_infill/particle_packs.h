@@ -60,10 +60,15 @@ template <class Record>
 void store_records(const std::array<Pack, Record::values>& column, std::size_t i, std::size_t count,
                    std::vector<Record>& records) {
   auto* first = reinterpret_cast<float*>(&records[i]);
-  for (std::size_t c = 0; c < Record::values; c += 4)
-    store_four_columns(
-        {narrowed(column[c]), narrowed(column[c + 1]), narrowed(column[c + 2]), narrowed(column[c + 3])},
-        count, first + c, sizeof(Record) / sizeof(float));
+  const auto store_four = [&]<std::size_t c>(std::integral_constant<std::size_t, c> /*first column*/) {
+    store_four_columns({narrowed(std::get<c>(column)), narrowed(std::get<c + 1>(column)),
+                        narrowed(std::get<c + 2>(column)), narrowed(std::get<c + 3>(column))},
+                       count, first + c, sizeof(Record) / sizeof(float));
+  };
+  [&]<std::size_t... k>(std::index_sequence<k...> /*fours*/) {
+    (store_four(std::integral_constant<std::size_t, 4 * k>()), ...);
+  }
+  (std::make_index_sequence<Record::values / 4>());
 }
 
 using SingleVector = std::array<SinglePack, 3>;

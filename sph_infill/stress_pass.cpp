@@ -169,7 +169,8 @@ void store_stress_records(const LoopSettings& settings, const SoilStateOf<Pack>&
       count, p.stress);
 }
 
-/// C L and C/h; C = zeta rho c h, or 0 where L is not the fit of the neighbours' motion.
+/// C L and C over the unit of positions; C = zeta rho c h, or 0 where L is not the fit of the neighbours'
+/// motion.
 void store_residual_records(const SphOptions& options, const TensorOf<Pack>& l, const PackMask& fitted,
                             const Pack& impedance, std::size_t i, std::size_t count, Particles& p) {
   const Pack c =
