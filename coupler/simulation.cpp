@@ -36,6 +36,11 @@ void zero(Vec3Array& values) {
   std::fill(values.z.begin(), values.z.end(), 0.0);
 }
 
+/// Torques are for particles with spin alone.
+void size_angular(const ParticleView& particles, ContactImpulses& impulses) {
+  impulses.angular.assign(particles.has_spin() ? particles.size() : 0, 0.0);
+}
+
 }  // namespace
 
 Simulation::Simulation(SimulationParts parts)
@@ -50,7 +55,7 @@ Simulation::Simulation(SimulationParts parts)
   const ParticleView particles = parts_.infill->particles();
   node_force_.assign(parts_.carpet->nodes().x.size(), 0.0);
   impulses_.linear.assign(particles.size(), 0.0);
-  impulses_.angular.assign(particles.has_spin() ? particles.size() : 0, 0.0);
+  size_angular(particles, impulses_);
   body_impulses_.impulse.assign(parts_.bodies.size(), Vec3::Zero());
   interval_impulse_.assign(parts_.bodies.size(), Vec3::Zero());
   for (const RigidBody& body : parts_.bodies)
@@ -92,8 +97,7 @@ void Simulation::replace_infill(std::unique_ptr<Infill> infill, std::vector<Norm
   const std::size_t before = parts_.infill->particles().size(), now = infill->particles().size();
   if (before != now) throw_run_error("infill of {} particles cannot take the place of {}", now, before);
   parts_.infill = std::move(infill);
-  const ParticleView particles = parts_.infill->particles();
-  impulses_.angular.assign(particles.has_spin() ? particles.size() : 0, 0.0);
+  size_angular(parts_.infill->particles(), impulses_);
   particle_body_.replace_springs(std::move(body_springs), parts_.infill->particles(), parts_.bodies,
                                  release_at(time_));
   windowed_ = false;  // contact's view goes back from a little ahead to where the particles are

@@ -47,6 +47,7 @@ class RecordPlaces {
   template <class Record>
   [[nodiscard]] std::array<SinglePack, Record::values> load(const std::vector<Record>& records) const {
     constexpr std::size_t bytes = sizeof(Record) / RowEntry::places;
+    static_assert(bytes * RowEntry::places == sizeof(Record));
     return load_columns<Record::values>(
         RowsOf<float, bytes>{reinterpret_cast<const float*>(records.data()), place_});
   }
