@@ -21,6 +21,25 @@ SurfacePoint surface_point(const RigidBody& body, const Vec3& point, double ahea
   return std::visit([&](const auto& shape) { return distance_to(shape, relative); }, body.shape);
 }
 
+/// Points that come within `skin` of a body, with it, in order. skip: of points, or empty.
+std::vector<PairKey> near_pairs(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
+                                std::span<const std::uint8_t> skip) {
+  constexpr std::size_t together = 1024;
+  std::vector<std::vector<PairKey>> of_part((points.size() + together - 1) / together);
+  parallel_for(of_part.size(), [&](std::size_t part) {
+    for (std::size_t i = part * together; i < std::min(points.size(), (part + 1) * together); ++i) {
+      if (!skip.empty() && skip[i] != 0) continue;
+      const double near = points.largest_radius(i) + skin;
+      for (std::size_t b = 0; b < bodies.size(); ++b)
+        if (bodies[b].present && surface_point(bodies[b], points.position(i), 0).distance < near)
+          of_part[part].push_back(make_key(static_cast<Index>(i), static_cast<Index>(b)));
+    }
+  });
+  std::vector<PairKey> keys;
+  for (const std::vector<PairKey>& some : of_part) keys.insert(keys.end(), some.begin(), some.end());
+  return keys;
+}
+
 bool all_stiffen(const std::vector<NormalSpring>& springs) {
   return std::all_of(springs.begin(), springs.end(),
                      [](const NormalSpring& spring) { return spring.stiffening > 0; });
@@ -34,15 +53,7 @@ BodyContact::BodyContact(BodyContactSettings settings)
 
 void BodyContact::search(const ParticleView& points, const std::vector<RigidBody>& bodies, double skin,
                          bool keep_overlap, std::span<const std::uint8_t> skip) {
-  std::vector<PairKey> keys;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!skip.empty() && skip[i] != 0) continue;
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      if (!bodies[b].present) continue;
-      if (surface_point(bodies[b], points.position(i), 0).distance < points.largest_radius(i) + skin)
-        keys.push_back(make_key(static_cast<Index>(i), static_cast<Index>(b)));
-    }
-  }
+  std::vector<PairKey> keys = near_pairs(points, bodies, skin, skip);
   histories_ = carry_over(keys_, histories_, keys);
   keys_ = std::move(keys);
   results_.assign(keys_.size(), {});
@@ -97,24 +108,23 @@ double BodyContact::overlap_of(Index point, const RigidBody& body, const Particl
   return points.radius_along(static_cast<std::size_t>(point), surface.normal) - surface.distance;
 }
 
-BodyContact::Result BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
-                                                      const std::vector<RigidBody>& bodies, double dt,
-                                                      double release, double release_before) {
+void BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
+                                       const std::vector<RigidBody>& bodies, double dt, double release,
+                                       double release_before) {
   const std::size_t entry = static_cast<std::size_t>(key_point(keys_[pair])) / points.kicks.group;
   const double length = points.kicks.length[entry];
   // At the start of a run there was none.
   const double since = points.kicks.since[entry] > 0 ? points.kicks.since[entry] : dt;
+  Result& result = results_[pair];
   if (length == 0) {
-    Result result = results_[pair];
     result.dt = result.weight = result.released = 0;
     result.contact.damped = result.contact.friction = 0;
-    return result;
+    return;
   }
   // Offsets are let go evenly.
   const double before = std::min(1.0, release + (release_before - release) * since / dt);
-  Result result = evaluate_pair(pair, points, bodies, 0, since, release, before);
+  result = evaluate_pair(pair, points, bodies, 0, since, release, before);
   result.dt = result.weight = length;
-  return result;
 }
 
 void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead,
@@ -124,7 +134,7 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
 #pragma omp parallel for schedule(static) if (pairs > least_for_threads)
   for (std::size_t g = 0; g < pairs; ++g) {
     if (!points.kicks.empty() && !bodies[key_other(keys_[g])].can_move()) {
-      results_[g] = evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
+      evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
       continue;
     }
     results_[g] = evaluate_pair(g, points, bodies, ahead, dt, release, release_before);
@@ -138,6 +148,7 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
     energy_.friction += r.contact.friction;
     if (!r.touching) continue;
     energy_.elastic += r.contact.elastic;
+    if (r.dt == 0) continue;  // not kicked
     energy_.damped += r.contact.damped;
     energy_.released += r.released;
     const Index i = key_point(keys_[g]);
@@ -200,33 +211,48 @@ double BodyContact::coming_stiffness(PairKey key, const ParticleView& points,
   return overlap > 0 ? spring.tangent(overlap) : 0;
 }
 
-std::vector<double> BodyContact::stable_steps(const ParticleView& points,
-                                              const std::vector<RigidBody>& bodies, double horizon,
-                                              bool with_dashpots) const {
-  std::vector<double> steps(points.size(), std::numeric_limits<double>::infinity());
-  const auto set = [&](std::size_t i, double k, int near) {
-    double share = 1;
-    if (with_dashpots) {
-      const double zeta = settings_.damping_ratio[i];
-      k *= 1 + tangential_ratio * std::max(0, near - 1);
-      share = std::sqrt(1 + zeta * zeta) - zeta;
-    }
-    if (k > 0) steps[i] = 2 * std::sqrt(points.mass[i] / k) * share;
-  };
-  // Before the first search a point may be near any three bodies.
-  if (!searched_ || !all_stiffen_)
-    for (std::size_t i = 0; i < points.size(); ++i) set(i, stiffness_apart(i), searched_ ? 0 : 3);
+double BodyContact::step_under(double stiffness, std::size_t point, int near, const ParticleView& points,
+                               bool with_dashpots) const {
+  double share = 1;
+  if (with_dashpots) {
+    const double zeta = settings_.damping_ratio[point];
+    stiffness *= 1 + tangential_ratio * std::max(0, near - 1);
+    share = std::sqrt(1 + zeta * zeta) - zeta;
+  }
+  if (!(stiffness > 0)) return std::numeric_limits<double>::infinity();
+  return 2 * std::sqrt(points.mass[point] / stiffness) * share;
+}
+
+template <class Take>
+void BodyContact::for_near_points(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                                  double horizon, bool with_dashpots, Take&& take) const {
   const std::size_t pairs = keys_.size();
 #pragma omp parallel for schedule(static) if (pairs > least_for_threads)
   for (std::size_t first = 0; first < pairs; ++first) {  // sorted by point: each goes with its first pair
     const Index i = key_point(keys_[first]);
     if (first > 0 && key_point(keys_[first - 1]) == i) continue;
     double k = stiffness_apart(static_cast<std::size_t>(i));
+    bool beside_moving = false;
     std::size_t g = first;
-    for (; g < pairs && key_point(keys_[g]) == i; ++g)
+    for (; g < pairs && key_point(keys_[g]) == i; ++g) {
       k = std::max(k, coming_stiffness(keys_[g], points, bodies, horizon));
-    set(static_cast<std::size_t>(i), k, static_cast<int>(g - first));
+      beside_moving = beside_moving || bodies[static_cast<std::size_t>(key_other(keys_[g]))].can_move();
+    }
+    const auto point = static_cast<std::size_t>(i);
+    take(point, step_under(k, point, static_cast<int>(g - first), points, with_dashpots), beside_moving);
   }
+}
+
+std::vector<double> BodyContact::stable_steps(const ParticleView& points,
+                                              const std::vector<RigidBody>& bodies, double horizon,
+                                              bool with_dashpots) const {
+  std::vector<double> steps(points.size(), std::numeric_limits<double>::infinity());
+  // Before the first search a point may be near any three bodies.
+  if (!searched_ || !all_stiffen_)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      steps[i] = step_under(stiffness_apart(i), i, searched_ ? 0 : 3, points, with_dashpots);
+  for_near_points(points, bodies, horizon, with_dashpots,
+                  [&](std::size_t i, double step, bool) { steps[i] = step; });
   return steps;
 }
 
@@ -241,14 +267,12 @@ void BodyContact::leave_near(std::vector<double>& steps) const {
 
 void BodyContact::raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,
                               double horizon, bool with_dashpots, std::vector<float>& rates) const {
-  const std::vector<double> steps = stable_steps(points, bodies, horizon, with_dashpots);
-  for (const PairKey key : keys_) {
-    const auto i = static_cast<std::size_t>(key_point(key));
-    const float rate = bodies[static_cast<std::size_t>(key_other(key))].can_move()
-                           ? std::numeric_limits<float>::infinity()
-                           : static_cast<float>(1 / steps[i]);
-    rates[i] = std::max(rates[i], rate);
-  }
+  for_near_points(points, bodies, horizon, with_dashpots,
+                  [&](std::size_t i, double step, bool beside_moving) {
+                    const float rate =
+                        beside_moving ? std::numeric_limits<float>::infinity() : static_cast<float>(1 / step);
+                    rates[i] = std::max(rates[i], rate);
+                  });
 }
 
 void BodyContact::save(h5::Group& group) const {

@@ -106,11 +106,18 @@ class BodyContact {
                                                                 : settings_.friction[i];
   }
   /// Of a point with kicks of its own and a body that cannot move.
-  Result evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
-                              const std::vector<RigidBody>& bodies, double dt, double release,
-                              double release_before);
+  void evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
+                            const std::vector<RigidBody>& bodies, double dt, double release,
+                            double release_before);
   /// N/m, of a point's springs as far as they do not depend on pairs, see stable_steps.
   [[nodiscard]] double stiffness_apart(std::size_t point) const;
+  /// s, of a point near so many bodies under springs of that stiffness, see stable_steps.
+  [[nodiscard]] double step_under(double stiffness, std::size_t point, int near, const ParticleView& points,
+                                  bool with_dashpots) const;
+  /// take(point, its stable step, whether one of its bodies can move) for all near a body, on all threads.
+  template <class Take>
+  void for_near_points(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
+                       bool with_dashpots, Take&& take) const;
   /// N/m, of a pair's spring if it stiffens, at the end of `horizon` (s); 0: apart.
   [[nodiscard]] double coming_stiffness(PairKey key, const ParticleView& points,
                                         const std::vector<RigidBody>& bodies, double horizon) const;

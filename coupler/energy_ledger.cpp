@@ -8,12 +8,12 @@
 
 namespace tuft::coupler {
 
-void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::string& fastest) {
+void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::function<std::string()>& fastest) {
   const auto values = terms.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]))
       throw_run_error("energy term {} is not finite at t = {:.6g} s; {}; reduce numerics.step_safety",
-                      EnergyTerms::names[i], time, fastest);
+                      EnergyTerms::names[i], time, fastest());
   }
   if (entries_++ == 0) reference_ = terms.balance();
   scale_ = std::max(scale_, terms.kinetic_carpet + terms.kinetic_infill + terms.kinetic_bodies +
@@ -31,7 +31,7 @@ void EnergyLedger::enter(double time, const EnergyTerms& terms, const std::strin
       "most ({:+.4g} J "
       "to {:.4g} J); {}; reduce numerics.step_safety or look at the frames",
       100 * error_, 100 * limit_, time, EnergyTerms::names[risen], values[risen] - before[risen],
-      values[risen], fastest);
+      values[risen], fastest());
 }
 
 void EnergyLedger::save(h5::Group& group) const {

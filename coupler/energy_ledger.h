@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -57,9 +58,9 @@ class EnergyLedger {
 
   /// Takes a moment in. The first one is the reference.
   /// Throws RunError naming the term when a term is not finite, and when the error passes the limit: with the
-  /// time, the term that rose most since the last entry, and `fastest` (a sentence naming the fastest
-  /// particle and node).
-  void enter(double time, const EnergyTerms& terms, const std::string& fastest);
+  /// time, the term that rose most since the last entry, and what `fastest` says (a sentence naming the
+  /// fastest particle and node), which is asked for then alone.
+  void enter(double time, const EnergyTerms& terms, const std::function<std::string()>& fastest);
 
   [[nodiscard]] double imbalance() const { return last_.balance() - reference_; }  ///< J, of the last entry
   [[nodiscard]] double error() const { return error_; }  ///< relative, signed, of the last entry

@@ -146,7 +146,7 @@ void Simulation::advance_interval(double interval) {
     infill_reference_ = infill_balance_;
     referenced_ = true;
   }
-  ledger_.enter(time_, energy_terms(), describe_fastest());
+  ledger_.enter(time_, energy_terms(), [this] { return describe_fastest(); });
 }
 
 double Simulation::release_at(double time) const {

@@ -109,7 +109,7 @@ class ComponentRunner {
     {
       const ScopedPhase phase(timers_, Phase::ledger);
       ledger_->enter(row.time, terms,
-                     fmt::format("strain {:.4g}, rate {:g} 1/s", row.strain, strip_->rate()));
+                     [&] { return fmt::format("strain {:.4g}, rate {:g} 1/s", row.strain, strip_->rate()); });
       state_.energy_error = std::max(state_.energy_error, ledger_->largest_error());
       state_.momentum_error = std::max(state_.momentum_error, strip_->momentum_error());
     }

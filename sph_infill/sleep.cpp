@@ -48,7 +48,7 @@ bool Sleep::anything_moves() const {
   return false;
 }
 
-void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
+std::vector<Index> Sleep::find_neighbours(const NeighbourList& list, std::size_t block) const {
   thread_local std::vector<std::uint8_t> is_near;
   is_near.assign(held_.size(), 0);
   for (std::size_t g = block * (block_size / group_size);
@@ -57,18 +57,17 @@ void Sleep::find_neighbours(const NeighbourList& list, std::size_t block) {
     for (std::size_t e = 0; e < rows.length * group_size; ++e)
       is_near[rows.first[e].index() / block_size] = 1;
   }
-  neighbours_[block].clear();
+  std::vector<Index> near;
   for (std::size_t other = 0; other < is_near.size(); ++other)
-    if (is_near[other] != 0) neighbours_[block].push_back(static_cast<Index>(other));
+    if (is_near[other] != 0) near.push_back(static_cast<Index>(other));
+  return near;
 }
 
 void Sleep::set_neighbours(const NeighbourList& list, std::span<const Index> blocks) {
-  parallel_for(blocks.size(),
-               [&](std::size_t k) { find_neighbours(list, static_cast<std::size_t>(blocks[k])); });
-}
-
-void Sleep::set_neighbours(const NeighbourList& list) {
-  parallel_for(neighbours_.size(), [&](std::size_t b) { find_neighbours(list, b); });
+  parallel_for(blocks.size(), [&](std::size_t k) {
+    const auto b = static_cast<std::size_t>(blocks[k]);
+    neighbours_[b] = find_neighbours(list, b);
+  });
 }
 
 bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec3Array& impulses,
@@ -92,19 +91,25 @@ void Sleep::remember_contact(std::size_t block, const Vec3Array* impulses, doubl
   for (std::size_t i = block * block_size; i < end; ++i) {
     const double length = kicks.empty() ? window : kicks.length[i / kicks.group];
     if (length == 0) continue;  // contact has not been evaluated for it
-    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] / length) : 0;
-    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] / length) : 0;
-    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] / length) : 0;
+    const double per_length = 1 / length;
+    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] * per_length) : 0;
+    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] * per_length) : 0;
+    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] * per_length) : 0;
   }
 }
 
-void Sleep::choose(const Particles& particles, const Vec3Array* impulses, double window,
-                   const ParticleKicks& kicks) {
+void Sleep::choose(const NeighbourList& list, const Particles& particles, const Vec3Array* impulses,
+                   double window, const ParticleKicks& kicks) {
   if (!enabled()) return;
   const std::size_t blocks = held_.size();
+  if (!neighbours_known_ && moving_.size() < blocks) {  // where all move, nothing stands beside them
+    parallel_for(blocks, [&](std::size_t b) { neighbours_[b] = find_neighbours(list, b); });
+    neighbours_known_ = true;
+  }
   std::fill(computed_now_.begin(), computed_now_.end(), std::uint8_t{0});
   for (const Index m : moving_) {
     computed_now_[static_cast<std::size_t>(m)] = 1;
+    if (!neighbours_known_) continue;
     for (const Index other : neighbours_[static_cast<std::size_t>(m)])
       computed_now_[static_cast<std::size_t>(other)] = 1;
   }
@@ -144,8 +149,9 @@ void Sleep::save(h5::Group& group, const NeighbourList& list) const {
     held.push_back(held_[b]);
     quiet.push_back(quiet_[b]);
     complete.push_back(list.is_complete(b) ? 1 : 0);
-    count.push_back(static_cast<double>(neighbours_[b].size()));
-    neighbours.insert(neighbours.end(), neighbours_[b].begin(), neighbours_[b].end());
+    const std::vector<Index> near = neighbours_known_ ? neighbours_[b] : find_neighbours(list, b);
+    count.push_back(static_cast<double>(near.size()));
+    neighbours.insert(neighbours.end(), near.begin(), near.end());
   }
   group.write("sleep_held", held);
   group.write("sleep_quiet", quiet);
@@ -179,6 +185,7 @@ void Sleep::load(const h5::Group& group, NeighbourList& list) {
     quiet_[b] = static_cast<std::uint32_t>(quiet[b]);
     if (listed[b] == 0) list.make_out_of_date(b);
     neighbours_[b].clear();
+    neighbours_known_ = true;
     for (auto k = static_cast<std::size_t>(count[b]); k > 0; --k)
       neighbours_[b].push_back(static_cast<Index>(*next++));
   }

@@ -60,12 +60,12 @@ class Sleep {
   [[nodiscard]] bool anything_moves() const;
   /// Notes which blocks the neighbours of those given are in.
   void set_neighbours(const NeighbourList& list, std::span<const Index> blocks);
-  /// The same of all blocks.
-  void set_neighbours(const NeighbourList& list);
+  /// The list has been built anew, whole: neighbours are noted of all blocks when next they are needed.
+  void forget_neighbours() { neighbours_known_ = false; }
   /// Chooses the blocks to compute in the coming step: what moves, what stands beside it, and what contact
   /// pushes otherwise than before. impulses: of the window, N s, or null; window: s. kicks: where contact has
   /// been evaluated for kicks of the particles' own.
-  void choose(const Particles& particles, const Vec3Array* impulses, double window,
+  void choose(const NeighbourList& list, const Particles& particles, const Vec3Array* impulses, double window,
               const ParticleKicks& kicks = {});
   /// What a step has found. unrest: a block's, where it was computed; period: steps between kicks of its
   /// slowest particle.
@@ -85,7 +85,7 @@ class Sleep {
 
  private:
   void note(std::size_t block, double unrest, std::uint32_t period);
-  void find_neighbours(const NeighbourList& list, std::size_t block);
+  [[nodiscard]] std::vector<Index> find_neighbours(const NeighbourList& list, std::size_t block) const;
   /// Whether its particles have moved in the last two steps.
   [[nodiscard]] bool is_moving(std::size_t block) const { return held_[block] == 0 || quiet_[block] > 0; }
   /// Whether contact pushes a sleeping block otherwise than when it was last computed.
@@ -103,6 +103,7 @@ class Sleep {
   /// neighbours read of it belongs to rest.
   std::vector<std::uint32_t> quiet_;
   std::vector<std::vector<Index>> neighbours_;  ///< blocks, ascending
+  bool neighbours_known_ = true;
   std::vector<Index> computed_, moving_;
   std::array<std::vector<float>, 3> contact_;  ///< N, force on each particle when last computed
 };

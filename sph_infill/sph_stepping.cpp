@@ -163,7 +163,7 @@ bool SphInfill::Impl::list_has_served() {
 
 void SphInfill::Impl::build_list() {
   list.build(particles.position);
-  if (sleep.enabled()) sleep.set_neighbours(list);
+  sleep.forget_neighbours();
   displacement = 0, list_steps = 1;
 }
 
@@ -192,14 +192,14 @@ void SphInfill::Impl::prepare(const Vec3Array* impulse, double window) {
   if (stale) list.begin(particles.position);
   sleep.find_moving();
   sleep.set_neighbours(list, list.complete(particles.position, sleep.moving()));
-  sleep.choose(particles, impulse, window);
+  sleep.choose(list, particles, impulse, window);
   sleep.set_neighbours(list, list.complete(particles.position, sleep.computed()));
 }
 
 void SphInfill::Impl::choose_sleepers(const Vec3Array* impulse, double window) {
   if (!sleep.enabled()) return;
   sleep.find_moving();
-  sleep.choose(particles, impulse, window, own_kicks ? steps.kicks() : ParticleKicks{});
+  sleep.choose(list, particles, impulse, window, own_kicks ? steps.kicks() : ParticleKicks{});
 }
 
 void SphInfill::Impl::report_invalid_stress() const {

@@ -67,7 +67,8 @@ class StepOverTheLimit : public testing::TestWithParam<ElementKind> {
     int step = 0;
     kept.stop = run(dt, steps, [&](const Carpet& carpet, double time) {
       if (step++ % every == 0)
-        kept.ledger.enter(time, coupler::terms_of(carpet.energy()), "node 0 is fastest");
+        kept.ledger.enter(time, coupler::terms_of(carpet.energy()),
+                          [] { return std::string("node 0 is fastest"); });
     });
     return kept;
   }
