@@ -305,8 +305,7 @@ void check_sleep(const Scene& scene, const Places& places) {
 
 void check_individual_steps(const Scene& scene, const Places& places) {
   const int steps = scene.numerics.individual_steps;
-  if ((steps & (steps - 1)) != 0)
-    places.fail("numerics.individual_steps", fmt::format("is {}; give 1, 2, 4, 8 or 16", steps));
+  if ((steps & (steps - 1)) != 0) places.fail("numerics.individual_steps", "give 1, 2, 4, 8 or 16");
 }
 
 }  // namespace

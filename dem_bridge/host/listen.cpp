@@ -140,16 +140,21 @@ class Session {
     monitor->connect(monitor_endpoint);
     std::thread([monitor] {
       std::optional<int> driver;
-      while (true) {
-        zmq_pollitem_t watched[] = {{monitor->handle(), 0, ZMQ_POLLIN, 0}};
-        if (zmq_poll(watched, 1, -1) < 0) return;
-        const LinkEvent event = take_event(*monitor);
-        if (event.kind == ZMQ_EVENT_ACCEPTED && !driver) driver = event.descriptor;
-        if (event.kind == ZMQ_EVENT_DISCONNECTED && driver == event.descriptor) {
-          std::cerr << "the driver has gone\n";
-          ::_exit(EXIT_SUCCESS);
+      while (true) try {
+          zmq_pollitem_t watched[] = {{monitor->handle(), 0, ZMQ_POLLIN, 0}};
+          if (zmq_poll(watched, 1, -1) < 0) {
+            if (zmq_errno() == EINTR) continue;
+            return;
+          }
+          const LinkEvent event = take_event(*monitor);
+          if (event.kind == ZMQ_EVENT_ACCEPTED && !driver) driver = event.descriptor;
+          if (event.kind == ZMQ_EVENT_DISCONNECTED && driver == event.descriptor) {
+            std::cerr << "the driver has gone\n";
+            ::_exit(EXIT_SUCCESS);
+          }
+        } catch (const zmq::error_t&) {
+          return;  // the context is being closed: last words are under way
         }
-      }
     }).detach();
   }
 

@@ -361,7 +361,8 @@ TEST(SceneMistakes, IndividualStepsThatAreNoPowerOfTwoOrMeetSleep) {
   };
   EXPECT_EQ(with({{"numerics.individual_steps", "8"}}), "");
   EXPECT_EQ(with({{"numerics.individual_steps", "16"}}), "");
-  EXPECT_THAT(with({{"numerics.individual_steps", "6"}}), HasSubstr("is 6; give 1, 2, 4, 8 or 16"));
+  EXPECT_THAT(with({{"numerics.individual_steps", "6"}}),
+              HasSubstr("numerics.individual_steps: 6: give 1, 2, 4, 8 or 16"));
   EXPECT_THAT(with({{"numerics.individual_steps", "32"}}), HasSubstr("numerics.individual_steps"));
   EXPECT_EQ(with({{"numerics.individual_steps", "2"}, {"numerics.sleep_tolerance", "1e-4"}}), "");
 }
