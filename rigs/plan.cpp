@@ -99,21 +99,23 @@ void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& 
 }
 
 /// Windows divide the time between two rows of histories, which may make them much shorter than they need be.
+/// What is proposed leaves room for infill that stiffens: beyond it there would be as many windows as before.
 void remark_on_windows(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene,
                        double interval) {
-  constexpr double rows_together = 1000,
-                   worth_saying = 1.25;  // without rows, nearly, and in how many windows
+  constexpr double rows_together = 1000;  // as if there were none, nearly
+  constexpr double room = 0.95, worth_saying = 1.25;
   const double longest = coupler::plan_steps(stable, scene.numerics.step_safety,
                                              scene.numerics.coupling_window, rows_together * interval)
                              .window;
   const double windows = std::max(1.0, std::round(interval / plan.window) - 1), digits = 2;
-  const double unit = std::pow(10, std::floor(std::log10(windows * longest)) + 1 - digits);
-  const double other = unit * std::floor(windows * longest / unit);  // an interval that fits
+  const double most = room * windows * longest;
+  const double unit = std::pow(10, std::floor(std::log10(most)) + 1 - digits);
+  const double other = unit * std::floor(most / unit * (1 + 1e-9));  // an interval that fits
   const double gain = other / (windows * plan.window);
   if (gain < worth_saying) return;
   plan.remarks.push_back(fmt::format(
       "windows of {:.3g} us, where {:.3g} us would be stable: whole numbers of them make up output.histories "
-      "({:.3g} us); with output.histories = \"{:.3g} us\" the run takes {:.2g} times fewer",
+      "({:.3g} us); with output.histories = \"{:.3g} us\" the run begins with {:.2g} times fewer",
       1e6 * plan.window, 1e6 * longest, 1e6 * interval, 1e6 * other, gain));
 }
 

@@ -91,10 +91,9 @@ GroupGradients widened_sums(const GradientSumsOf<SinglePack>& sums, double facto
   return wide;
 }
 
-/// for_step: with the sums that only stable steps take.
 template <class KernelType>
 GroupGradients sum_pair_gradients(const KernelType kernel, const NeighbourList& list, const Particles& p,
-                                  std::size_t group, bool for_step) {
+                                  std::size_t group) {
   const auto own = RecordPlaces(entries_of_group(group, p.size()).data()).load(p.motion);
   GradientSumsOf<SinglePack> sum;
   std::array<WeighedPair, row_chunk> weighed;
@@ -109,7 +108,7 @@ GroupGradients sum_pair_gradients(const KernelType kernel, const NeighbourList& 
     const std::span<const WeighedPair> pairs(weighed.data(), count);
     add_moments(pairs, sum);
     add_velocities(pairs, sum.velocity);
-    if (for_step) add_mobilities(pairs, sum.mobility);
+    add_mobilities(pairs, sum.mobility);
   });
   return widened_sums(sum, kernel.slope_factor(), p);
 }
@@ -204,10 +203,10 @@ struct PackSums {
   bool valid = true;
 };
 
-/// What follows from the pair sums of `count` particles from i on. find_step: their stable steps too.
+/// What follows from the pair sums of `count` particles from i on.
 template <SoilEffects on>
 void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& sums, double dt,
-                      bool find_step, std::size_t i, std::size_t count, Particles& p, PackSums& total) {
+                      std::size_t i, std::size_t count, Particles& p, PackSums& total) {
   std::array<const SoilLaw*, lanes> of_lane;
   for (std::size_t l = 0; l < lanes; ++l)
     of_lane[l] = &settings.laws[static_cast<std::size_t>(p.material[i + (l < count ? l : 0)])];
@@ -231,19 +230,17 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const Pack mass = load_lanes(p.mass, i, count);
   const Pack modulus = state.bulk_modulus * (1.0 + 4.0 / 3.0 * law.value(&SoilLaw::shear_ratio));
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
-  if (find_step) {
-    const RowMobility row = row_mobility(sums, correction, Pack(1.0) / mass);
-    const Pack frequency = stdx::sqrt(modulus * volume *
-                                      largest_mobility(settings.step_limit, row.neighbours, row.own, volume,
-                                                       load_lanes(p.reference_volume, i, count)));
-    const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
-    const Pack stable =
-        particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)),
-                             share_inside(row.neighbours, row.own));
-    total.stable_step = stdx::min(total.stable_step, stable);
-    if (!p.own_step.empty())
-      for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
-  }
+  const RowMobility row = row_mobility(sums, correction, Pack(1.0) / mass);
+  const Pack frequency = stdx::sqrt(modulus * volume *
+                                    largest_mobility(settings.step_limit, row.neighbours, row.own, volume,
+                                                     load_lanes(p.reference_volume, i, count)));
+  const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
+  const Pack stable =
+      particle_stable_step(settings.step_limit, frequency, wave_speed, stdx::sqrt(double_dot(rate, rate)),
+                           share_inside(row.neighbours, row.own));
+  total.stable_step = stdx::min(total.stable_step, stable);
+  if (!p.own_step.empty())
+    for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
   const Pack density = mass / volume;
   store_stress_records(settings, state, correction, volume / weighed, density, wave_speed, i, count, p);
   if (settings.zero_energy_control)
@@ -260,14 +257,14 @@ ParticleUpdate particle_update_of(const SoilEffects& effects) {
   return update;
 }
 
-/// Stable steps of those that were not kicked count too, as they are stored, in single precision.
+/// Stable steps of those that were not strained count too, as they are stored, in single precision.
 void note_steps(const Particles& p, std::size_t begin, std::size_t end, IndividualSteps& steps,
                 StressSums& sums) {
   for (std::size_t i = begin; i < end; i += group_size) {
     const auto first = p.own_step.begin() + static_cast<std::ptrdiff_t>(i);
     const double stable =
         *std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(group_size, end - i)));
-    if (!steps.is_kicked(i / group_size)) sums.stable_step = std::min(sums.stable_step, stable);
+    if (!steps.is_strained(i / group_size)) sums.stable_step = std::min(sums.stable_step, stable);
     steps.note(i / group_size, stable);
   }
 }
@@ -280,12 +277,10 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
   for (std::size_t first = begin; first < end; first += group_size) {
     const std::size_t group = first / group_size;
     if (steps && !steps->is_strained(group)) continue;
-    // What is strained for a neighbour's sake needs no stable step: that is of kicks.
-    const bool find_step = !steps || steps->is_kicked(group);
-    const GroupGradients sums = sum_pair_gradients(kernel, list, p, group, find_step);
+    const GroupGradients sums = sum_pair_gradients(kernel, list, p, group);
     const double since = steps ? steps->since_strain(group) : dt;
     for (std::size_t k = 0, i = first; k < sums.size() && i < end; ++k, i += lanes)
-      update(settings, sums[k], since, find_step, i, std::min(lanes, end - i), p, total);
+      update(settings, sums[k], since, i, std::min(lanes, end - i), p, total);
   }
   StressSums sums{sum_lanes(total.work), sum_lanes(total.plastic), smallest_lane(total.stable_step),
                   total.valid};
@@ -298,7 +293,7 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
 GradientSums sum_gradients(const LoopSettings& settings, const NeighbourList& list,
                            const Particles& particles, std::size_t i) {
   const GroupGradients group = with_kernel(settings.options, [&](const auto kernel) {
-    return sum_pair_gradients(kernel, list, particles, i / group_size, true);
+    return sum_pair_gradients(kernel, list, particles, i / group_size);
   });
   const GradientSumsOf<Pack>& all = group[i % group_size / lanes];
   const std::size_t l = i % lanes;

@@ -152,8 +152,10 @@ class Session {
             std::cerr << "the driver has gone\n";
             ::_exit(EXIT_SUCCESS);
           }
-        } catch (const zmq::error_t&) {
-          return;  // the context is being closed: last words are under way
+        } catch (const zmq::error_t& error) {
+          if (error.num() == ETERM) return;  // the context is being closed: last words are under way
+          std::cerr << "the watch on the driver failed: " << error.what() << '\n';
+          ::_exit(EXIT_FAILURE);
         }
     }).detach();
   }
