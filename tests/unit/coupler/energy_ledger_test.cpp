@@ -9,6 +9,11 @@
 namespace tuft::coupler {
 namespace {
 
+/// Nothing is the fastest.
+std::string nobody() {
+  return "";
+}
+
 std::string message_of(EnergyLedger& ledger, double time, const EnergyTerms& terms) {
   try {
     ledger.enter(time, terms, [] { return std::string("fastest particle 7 (31 m/s)"); });
@@ -22,22 +27,22 @@ TEST(EnergyLedger, EnergyThatChangesItsFormIsNoError) {
   EnergyLedger ledger(0.01, 10);
   EnergyTerms terms;
   terms.kinetic_bodies = 10;
-  ledger.enter(0, terms, [] { return std::string(""); });
+  ledger.enter(0, terms, nobody);
   terms.kinetic_bodies = 2;
   terms.stored_infill = 3;
   terms.contact_friction = 4;
   terms.strain_carpet = 1;
-  ledger.enter(1, terms, [] { return std::string(""); });
+  ledger.enter(1, terms, nobody);
   EXPECT_EQ(ledger.largest_error(), 0);
 }
 
 TEST(EnergyLedger, WorkPutInIsNoError) {
   EnergyLedger ledger(0.01, 1);
-  ledger.enter(0, {}, [] { return std::string(""); });
+  ledger.enter(0, {}, nobody);
   EnergyTerms terms;
   terms.kinetic_bodies = 9;
   terms.external_work = 9;
-  ledger.enter(1, terms, [] { return std::string(""); });
+  ledger.enter(1, terms, nobody);
   EXPECT_EQ(ledger.largest_error(), 0);
 }
 
@@ -45,7 +50,7 @@ TEST(EnergyLedger, EveryTermCounts) {
   EnergyTerms base;
   for (std::size_t i = 0; i < EnergyTerms::count; ++i) {
     EnergyLedger ledger(0.5, 10);
-    ledger.enter(0, base, [] { return std::string(""); });
+    ledger.enter(0, base, nobody);
     EnergyTerms changed;
     double* const all[] = {&changed.kinetic_carpet,  &changed.kinetic_infill,    &changed.kinetic_bodies,
                            &changed.strain_carpet,   &changed.hourglass,         &changed.eroded,
@@ -54,7 +59,7 @@ TEST(EnergyLedger, EveryTermCounts) {
                            &changed.damping,         &changed.expelled,          &changed.conditioning,
                            &changed.external_work};
     *all[i] = 1;
-    ledger.enter(1, changed, [] { return std::string(""); });
+    ledger.enter(1, changed, nobody);
     EXPECT_NEAR(ledger.error(), i + 1 == EnergyTerms::count ? -0.1 : 0.1, 1e-15) << EnergyTerms::names[i];
   }
 }
@@ -63,7 +68,7 @@ TEST(EnergyLedger, PassingTheLimitNamesTermTimeAndParticle) {
   EnergyLedger ledger(0.02, 10);
   EnergyTerms terms;
   terms.kinetic_bodies = 10;
-  ledger.enter(0, terms, [] { return std::string(""); });
+  ledger.enter(0, terms, nobody);
   terms.contact_elastic = 0.5;
   const std::string message = message_of(ledger, 0.00321, terms);
   EXPECT_NE(message.find("contact_elastic"), std::string::npos) << message;
