@@ -26,6 +26,17 @@ target_compile_options(tuft_options INTERFACE
   -fno-math-errno -fno-trapping-math)
 if(TUFT_NATIVE)
   target_compile_options(tuft_options INTERFACE -march=native)
+  # GCC before 13 takes the undefined lanes inside its own 512-bit intrinsics, which Eigen's products use too, for
+  # variables of ours (https://gcc.gnu.org/PR105593). Builds for other processors keep both warnings.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    include(CheckCXXSourceCompiles)
+    set(CMAKE_REQUIRED_FLAGS -march=native)
+    check_cxx_source_compiles("#ifndef __AVX512F__\n#error none\n#endif\nint main() {}" TUFT_HAS_AVX512)
+    unset(CMAKE_REQUIRED_FLAGS)
+    if(TUFT_HAS_AVX512)
+      target_compile_options(tuft_options INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized)
+    endif()
+  endif()
 endif()
 if(TUFT_SANITIZE)
   add_compile_options(-fsanitize=${TUFT_SANITIZE} -fno-omit-frame-pointer)

@@ -125,12 +125,12 @@ TEST(Calibrate, IsNotWrittenOverAnotherCalibrationOrARun) {
 
 TEST(Calibrate, InterruptedWritesTheBestSoFarAndGoesOnByTheSameCommand) {
   const Workplace place;
-  // At random over the whole box, for as long as one waits.
+  // At random over the whole box, in steps so short that it takes many times as long as one waits.
   std::string text = head + target;
   text.replace(text.find("max_evaluations = 60"), 20,
                "algorithm = \"crs2\"\nmax_evaluations = 1000000\nglobal_share = 0.9");
   std::string model = ring;
-  lay_out(place, text.replace(text.find("point.step=1e-3"), 15, "point.step=1e-6"));
+  lay_out(place, text.replace(text.find("point.step=1e-3"), 15, "point.step=3e-8"));
   const Outcome outcome = run_tuft({"calibrate", place.path("c.toml"), "--out", place.path("out")}, {2.0, 0});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.error;
   EXPECT_NE(outcome.out.find("stopped; the best so far is written"), std::string::npos) << outcome.out;
