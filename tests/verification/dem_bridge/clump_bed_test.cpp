@@ -275,7 +275,8 @@ TEST(ExpelledClump, MayBeLargerThanTheRoomInWhichItIsKept) {
 }
 
 TEST(ExpelledClump, StaysExpelledToTheSameBitsAcrossACheckpoint) {
-  const auto file = std::filesystem::temp_directory_path() / "tuft_expelled_clump.h5";
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tuft_expelled_clump_" + std::to_string(::getpid()) + ".h5");
   Grains grains;
   const std::vector<Material> materials{clumped({ClumpShape::pair, 0.3})};
   add_clump(grains, materials[0], Vec3(0.009, 0, 0), diameter);

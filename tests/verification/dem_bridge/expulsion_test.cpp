@@ -1,8 +1,10 @@
 /// Grains that leave their box: out of the run, and on the books.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "core/hdf5_file.h"
 #include "tests/verification/dem_bridge/bridge_scene.h"
@@ -138,7 +140,8 @@ class ExpelledGrainsWithACheckpoint : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(After, ExpelledGrainsWithACheckpoint, ::testing::Values(0, 5));
 
 TEST_P(ExpelledGrainsWithACheckpoint, StayExpelledToTheSameBits) {
-  const auto file = std::filesystem::temp_directory_path() / "tuft_expelled_grains.h5";
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tuft_expelled_grains_" + std::to_string(::getpid()) + ".h5");
   DemInfill whole = flying(two_grains()), resumed = flying(two_grains());
   whole.set_velocity(0, Vec3(5, 0, 1), Vec3(0, 300, 0));
   while (whole.expelled().particles == 0) whole.advance(window, 1, no_impulses(2));

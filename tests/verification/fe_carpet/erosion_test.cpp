@@ -1,9 +1,11 @@
 /// Shells that fail: when, with what energy, and what is left.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <string>
 
 #include "core/error.h"
 #include "core/hdf5_file.h"
@@ -157,8 +159,8 @@ TEST_P(Erosion, ResumesWithTheSameBits) {
   const double dt = safety * whole->stable_step();
   for (int i = 0; i < 300; ++i) whole->step(dt, no_load(42));
   ASSERT_GT(whole->eroded_count(), 0u);
-  const auto path =
-      std::filesystem::temp_directory_path() / (std::string("tuft_erosion_") + GetParam().name + ".h5");
+  const auto path = std::filesystem::temp_directory_path() /
+                    (std::string("tuft_erosion_") + GetParam().name + std::to_string(::getpid()) + ".h5");
   {
     h5::File file = h5::File::create_atomically(path);
     h5::Group group = file.root().create_group("carpet");
@@ -262,7 +264,8 @@ TEST(FailedShells, LeaveAStepNoLargerThanThatOfTheCarpetAsBuilt) {
 TEST(FailedShells, AreNotBroughtBackByACheckpoint) {
   auto carpet = flying_apart(3000, 0.01, {});
   const Vec3Array load = no_load(carpet->nodes().x.size());
-  const auto path = std::filesystem::temp_directory_path() / "tuft_failed_shells.h5";
+  const auto path =
+      std::filesystem::temp_directory_path() / ("tuft_failed_shells_" + std::to_string(::getpid()) + ".h5");
   {
     h5::File file = h5::File::create_atomically(path);
     h5::Group group = file.root().create_group("carpet");

@@ -1,9 +1,11 @@
 // The oedometer against the soil law in uniaxial strain, its books and its repeatability.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <string>
 
 #include "core/scene_reader.h"
 #include "rigs/oedometer.h"
@@ -122,7 +124,8 @@ TEST(Oedometer, ResumedEndsInTheSameBits) {
 }
 
 TEST(Oedometer, ThatCannotReachItsPreloadSaysSo) {
-  const auto folder = std::filesystem::temp_directory_path() / "tuft_oedometer_soft";
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("tuft_oedometer_soft_" + std::to_string(::getpid()));
   const Scene scene = small_ring(
       "sbr",
       {{"rig.sample_travel", "50 um"}, {"rig.speed_factor", "1000.0"}, {"rig.preloads", "[\"1e6 N\"]"}});

@@ -1,8 +1,10 @@
 // Tension rigs against the Prony ramp in uniaxial stress, their books, and their repeatability.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "core/parallel.h"
 #include "core/scene_reader.h"
@@ -229,7 +231,8 @@ TEST(Tension, ThatFailsBeforeAnythingIsMeasuredSaysSoAndGivesNoResults) {
   RunRequest request;
   request.scene = strand(
       {{"rig.rates", "[\"500 Hz\"]"}, {"rig.samples", "20"}, {"turf.carpet.fibre.failure_strain", "0.001"}});
-  request.folder = std::filesystem::temp_directory_path() / "tuft_tension_nothing";
+  request.folder =
+      std::filesystem::temp_directory_path() / ("tuft_tension_nothing_" + std::to_string(::getpid()));
   std::filesystem::remove_all(request.folder);
   prepare_run_folder(request.folder, request.scene);
   const RunSummary summary = run(request);
@@ -240,7 +243,8 @@ TEST(Tension, ThatFailsBeforeAnythingIsMeasuredSaysSoAndGivesNoResults) {
 }
 
 TEST(Tension, ResumedEndsInTheSameBits) {
-  const auto root = std::filesystem::temp_directory_path() / "tuft_tension_resume";
+  const auto root =
+      std::filesystem::temp_directory_path() / ("tuft_tension_resume_" + std::to_string(::getpid()));
   std::filesystem::remove_all(root);
   RunRequest whole, parts;
   whole.scene = parts.scene = strand({{"rig.rates", "[\"100 Hz\", \"500 Hz\"]"}});
