@@ -38,6 +38,12 @@ if(TUFT_NATIVE)
     endif()
   endif()
 endif()
+# For files with inner loops for many combinations of effects. They make units so large that GCC stops inlining what all of
+# them are made of, down to a choice between two numbers: a fifth of the speed (docs/performance.md).
+set(TUFT_LOOP_OPTIONS "")
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  set(TUFT_LOOP_OPTIONS --param=inline-unit-growth=3000 --param=large-function-growth=3000 --param=max-inline-insns-auto=200)
+endif()
 if(TUFT_SANITIZE)
   add_compile_options(-fsanitize=${TUFT_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${TUFT_SANITIZE})

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -11,7 +12,9 @@ namespace tuft {
 
 inline constexpr std::size_t sum_block = 512;  ///< fixed, so that a sum does not depend on the thread count
 
-inline void set_threads(int count) { omp_set_num_threads(count); }
+inline void set_threads(int count) {
+  omp_set_num_threads(count);
+}
 
 /// body(i) for i in [0, count). Bodies must not write what another index reads or writes.
 template <class Body>
@@ -36,6 +39,29 @@ T deterministic_sum(std::size_t count, Term&& term) {
   T total{};
   for (const T& sum : partial) total += sum;
   return total;
+}
+
+/// Largest value(i) over [0, count), 0 if none is above; NaN counts for nothing. For loops over memory:
+/// values of several indices at once, as compilers do not by themselves, for they keep the order of maxima
+/// that NaN would tell apart.
+template <class Value>
+double largest_of(std::size_t count, Value&& value) {
+  constexpr std::size_t width = 16, share = 4096;
+  double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest) if (count > share)
+  for (std::size_t part = 0; part < (count + share - 1) / share; ++part) {
+    const std::size_t end = std::min(count, (part + 1) * share);
+    std::size_t i = part * share;
+    std::array<double, width> found{};
+    for (; i + width <= end; i += width)
+      for (std::size_t l = 0; l < width; ++l) {
+        const double v = value(i + l);
+        found[l] = found[l] < v ? v : found[l];
+      }
+    for (; i < end; ++i) found[0] = std::max(found[0], value(i));
+    for (const double v : found) largest = std::max(largest, v);
+  }
+  return largest;
 }
 
 }  // namespace tuft

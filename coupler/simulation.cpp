@@ -11,15 +11,12 @@
 namespace tuft::coupler {
 namespace {
 
-double largest_displacement_squared(std::span<const double> x, std::span<const double> y,
-                                    std::span<const double> z, const Vec3Array& from) {
-  double largest = 0;
-#pragma omp parallel for simd schedule(static) reduction(max : largest) if (x.size() > 4096)
-  for (std::size_t i = 0; i < x.size(); ++i) {
+double largest_displacement(std::span<const double> x, std::span<const double> y, std::span<const double> z,
+                            const Vec3Array& from) {
+  return std::sqrt(largest_of(x.size(), [&](std::size_t i) {
     const double dx = x[i] - from.x[i], dy = y[i] - from.y[i], dz = z[i] - from.z[i];
-    largest = std::max(largest, dx * dx + dy * dy + dz * dz);
-  }
-  return largest;
+    return dx * dx + dy * dy + dz * dz;
+  }));
 }
 
 Vec3 carpet_impulse(const fe::Carpet& carpet) {
@@ -334,9 +331,8 @@ double Simulation::moved_since_search() const {
   const ParticleView particles = parts_.infill->particles();
   const fe::NodeView nodes = parts_.carpet->nodes();
   const double of_particles =
-      std::sqrt(largest_displacement_squared(particles.x, particles.y, particles.z, reference_.particles));
-  const double of_nodes =
-      std::sqrt(largest_displacement_squared(nodes.x, nodes.y, nodes.z, reference_.nodes));
+      largest_displacement(particles.x, particles.y, particles.z, reference_.particles);
+  const double of_nodes = largest_displacement(nodes.x, nodes.y, nodes.z, reference_.nodes);
   double of_bodies = 0;
   for (std::size_t b = 0; b < parts_.bodies.size(); ++b)
     of_bodies = std::max(of_bodies, (parts_.bodies[b].position - reference_.bodies[b]).norm());

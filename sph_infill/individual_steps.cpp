@@ -41,27 +41,17 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
   return smallest;
 }
 
-/// Inverse of the shortest stable step of the particles of a group and of all within reach, 1/s.
-float rate_around(double reach, const NeighbourList& list, const Particles& p, std::size_t group) {
+/// Inverse of the shortest stable step of the particles of a group and of all in their rows, 1/s.
+float rate_around(const NeighbourList& list, const Particles& p, std::size_t group) {
   const auto own = entries_of_group(group, p.size());
-  const auto of = [](const auto& values, const RowEntry* entries) {
-    return Pack([&](std::size_t l) { return double(values[entries[l].index()]); });
+  const auto of = [&](const RowEntry* entries) {
+    return SinglePack([&](std::size_t l) { return p.own_step[entries[l].index()]; });
   };
   const NeighbourList::GroupRows rows = list.group(group);
-  Pack shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t first = 0; first < group_size; first += lanes) {
-    const RowEntry* i = &own[first];
-    const Pack xi = of(p.position.x, i), yi = of(p.position.y, i), zi = of(p.position.z, i);
-    shortest = stdx::min(shortest, of(p.own_step, i));
-    for (std::size_t k = 0; k < rows.length; ++k) {
-      const RowEntry* j = rows.first + k * group_size + first;
-      const Pack dx = xi - of(p.position.x, j), dy = yi - of(p.position.y, j), dz = zi - of(p.position.z, j);
-      const PackMask near = dx * dx + dy * dy + dz * dz < reach * reach;
-      shortest =
-          stdx::min(shortest, select(near, of(p.own_step, j), Pack(std::numeric_limits<double>::infinity())));
-    }
-  }
-  return static_cast<float>(1 / smallest_lane(shortest));
+  SinglePack shortest = of(own.data());
+  for (std::size_t k = 0; k < rows.length; ++k)
+    shortest = stdx::min(shortest, of(rows.first + k * group_size));
+  return 1 / stdx::hmin(shortest);
 }
 
 }  // namespace
@@ -108,9 +98,9 @@ void IndividualSteps::set_contact_rates(std::span<const float> rates) {
   }
 }
 
-void IndividualSteps::choose(double reach, const NeighbourList& list, const Particles& p, double dt) {
+void IndividualSteps::choose(const NeighbourList& list, const Particles& p, double dt) {
   parallel_for(groups(), [&](std::size_t g) {
-    rate_[g] = rate_around(reach, list, p, g);
+    rate_[g] = rate_around(list, p, g);
     period_[g] = longest_period(g, dt);
   });
   limit_ratios(list);
@@ -119,9 +109,9 @@ void IndividualSteps::choose(double reach, const NeighbourList& list, const Part
   since_chosen_ = 0;
 }
 
-void IndividualSteps::look_around(const NeighbourList& list, const Particles& p, double reach, double dt) {
+void IndividualSteps::look_around(const NeighbourList& list, const Particles& p, double dt) {
   parallel_for(groups(), [&](std::size_t g) {
-    rate_[g] = std::max(rate_[g], rate_around(reach, list, p, g));
+    rate_[g] = std::max(rate_[g], rate_around(list, p, g));
     period_[g] = std::min(period_[g], longest_period(g, dt));
   });
   limit_ratios(list);

@@ -46,16 +46,16 @@ class IndividualSteps {
 
   /// Whether periods are to be chosen anew before the coming step: now and then, where all are kicked.
   [[nodiscard]] bool to_be_chosen() const { return phase_ % cycle_ == 0 && since_chosen_ >= chosen_every; }
-  /// reach: m, as for `shorten`. list: built for the present positions.
-  void choose(double reach, const NeighbourList& list, const Particles& particles, double dt);
+  /// By all in the list, which therefore has to be the same in a resumed run.
+  void choose(const NeighbourList& list, const Particles& particles, double dt);
   /// Shortens periods that have become too long for dt, and what depends on them. reach: m, of all that may
   /// come within the support before the list is built anew.
   void shorten(const NeighbourList& list, const Particles& particles, double reach, double dt);
   /// All take every step, until periods are chosen.
   void take_every_step();
-  /// After a build of the list, for what has come within reach: shortens periods, and finds what groups have
-  /// to keep pace with.
-  void look_around(const NeighbourList& list, const Particles& particles, double reach, double dt);
+  /// After the list was renewed, for what has come into it: shortens periods, and finds what groups have to
+  /// keep pace with.
+  void look_around(const NeighbourList& list, const Particles& particles, double dt);
 
   /// Says what the coming step of dt does. energy_wanted: whether energies of its start are of use, see
   /// `is_in_step`. as_begun: KickLength::step_begun.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -231,14 +232,19 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t begin, std
   scratch.rows_size = longest * group_size;
 }
 
-void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b) {
+void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b, const std::uint8_t* chosen) {
   static thread_local Scratch scratch;
   const std::size_t n = positions.size();
   Block& block = blocks_[b];
   scratch.entries.clear();
+  std::uint32_t before = 0;  // where the group's rows began
   for (std::size_t g = 0; g < groups_per_block; ++g) {
     const std::size_t begin = b * block_size + g * group_size, end = std::min(n, begin + group_size);
-    if (begin < n) {
+    const std::uint32_t first = std::exchange(before, block.begin[g + 1]);
+    if (begin < n && chosen && chosen[b * groups_per_block + g] == 0) {
+      scratch.entries.insert(scratch.entries.end(), block.entries.begin() + first,
+                             block.entries.begin() + before);
+    } else if (begin < n) {
       find_candidates(positions, begin, end, scratch);
       find_rows(positions, begin, end, scratch);
       scratch.entries.insert(scratch.entries.end(), scratch.rows.begin(),
@@ -273,6 +279,7 @@ std::span<const Index> NeighbourList::complete(const Vec3Array& positions, std::
 }
 
 void NeighbourList::build(const Vec3Array& positions) {
+  if (keeps_places_) places_ = positions;
   begin(positions);
   parallel_for(blocks_.size(), [&](std::size_t b) { make_rows(positions, b); });
 }

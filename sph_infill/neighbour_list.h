@@ -59,9 +59,25 @@ class NeighbourList {
   /// m, from the next build on; until then allowed_displacement() is that of the list as it stands.
   void set_skin(double skin) { next_skin_ = skin; }
   [[nodiscard]] double skin() const { return skin_; }
+  [[nodiscard]] double next_skin() const { return next_skin_; }
 
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
+
+  /// From the next build on the places that rows were made for are kept, so that `renew` may follow; 24 bytes
+  /// a particle.
+  void keep_places() { keeps_places_ = true; }
+  [[nodiscard]] const Vec3Array& places() const { return places_; }
+  struct Renewal {
+    double farthest = 0;     ///< m, that a particle has moved whose place stays
+    std::size_t groups = 0;  ///< whose rows were made
+  };
+  /// Groups of which a particle has moved farther than an eighth of the skin take the present positions for
+  /// places; rows are made of these groups, their neighbours and those that were. So the list is that of all
+  /// pairs closer than support + skin at their places, as if it had been built there, and serves until a
+  /// particle is farther than allowed_displacement() from its own. Builds all where most have moved. Neither
+  /// skin, separated pairs nor particles left out may have changed since the last build.
+  Renewal renew(const Vec3Array& positions);
   /// The same in parts. `begin` makes all rows out of date; `complete` brings those of some blocks of
   /// particles up to date, at any time before a particle has moved farther than `allowed_displacement` since,
   /// and returns the blocks whose rows it had to make.
@@ -106,7 +122,8 @@ class NeighbourList {
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
   void find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
                        Scratch& scratch) const;
-  void make_rows(const Vec3Array& positions, std::size_t block);
+  /// chosen: by group, those whose rows are made; null: all.
+  void make_rows(const Vec3Array& positions, std::size_t block, const std::uint8_t* chosen = nullptr);
   void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
   void drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const;
 
@@ -122,7 +139,19 @@ class NeighbourList {
   std::vector<std::uint8_t> left_out_;  ///< by particle; empty: none is
   std::uint32_t begun_ = 0;             ///< calls of `begin`
   std::vector<Block> blocks_;
-  std::vector<Index> to_make_;  ///< scratch of `complete`
+  std::vector<Index> to_make_;  ///< scratch of `complete` and `renew`
+
+  /// Of a block, in `renew`.
+  struct Moved {
+    double farthest_squared = 0;  ///< m^2, among those that stay
+    std::size_t groups = 0;
+  };
+  Moved find_moved(const Vec3Array& positions, std::size_t block);
+  void mark_neighbours(std::size_t block);
+  bool keeps_places_ = false;
+  Vec3Array places_;                          ///< m
+  std::vector<std::uint8_t> moved_, beside_;  ///< by group, scratch of `renew`
+  std::vector<Moved> moved_blocks_;
 };
 
 }  // namespace tuft::sph

@@ -100,9 +100,13 @@ void SphInfill::save(h5::Group& group) {
 
 void SphInfill::Impl::save_steps(h5::Group& group) const {
   steps.save(group);
-  // Paces are of what its list reached.
+  // Paces are of what its list reaches.
   group.write_scalar("list_skin", list.skin());
   group.write_scalar("list_steps", list_steps);
+  group.write_scalar("list_moved_before", moved_before);
+  group.write("list_place_x", list.places().x);
+  group.write("list_place_y", list.places().y);
+  group.write("list_place_z", list.places().z);
   group.write("own_step", std::vector<double>(particles.own_step.begin(), particles.own_step.end()));
   group.write(
       "energy_in_step",
@@ -114,8 +118,11 @@ void SphInfill::Impl::save_steps(h5::Group& group) const {
 void SphInfill::Impl::load_steps(const h5::Group& group) {
   steps.load(group);
   list.set_skin(group.read_double("list_skin"));
-  list.build(particles.position);
+  const std::size_t n = particles.size();
+  list.build({read_array(group, "list_place_x", n), read_array(group, "list_place_y", n),
+              read_array(group, "list_place_z", n)});
   list_steps = group.read_count("list_steps");
+  moved_before = group.read_double("list_moved_before");
   const std::vector<double> own = read_array(group, "own_step", particles.size());
   std::transform(own.begin(), own.end(), particles.own_step.begin(),
                  [](double v) { return static_cast<float>(v); });

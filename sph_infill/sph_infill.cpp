@@ -151,6 +151,7 @@ void SphInfill::Impl::begin(double lattice_pitch, double sleep_tolerance) {
   list = NeighbourList(p.position, 2 * settings.options.smoothing_length, skin_over_pitch * pitch);
   sleep = Sleep(sleep_tolerance, settings.options.smoothing_length, p.size(),
                 static_cast<std::uint32_t>(steps.largest()));
+  if (steps.enabled()) list.keep_places();
   list.build(p.position);
   note_neighbours();
   stable_step = update_stress(settings, list, 0, p, stress_blocks).stable_step;

@@ -26,6 +26,7 @@ struct SphInfill::Impl {
   double stable_step = 0;  ///< s, as of the last stress evaluation
   /// No particle has moved farther since the list was built, relative to the frame common to all, m.
   double displacement = 0;
+  double moved_before = 0;       ///< m, of it: when the list was last renewed in part
   std::uint64_t list_steps = 0;  ///< begun with the list as it is; where nothing sleeps
   Vec3 frame{0, 0, 0};           ///< m/s, the particles' mean velocity a step ago
   std::uint64_t particle_steps = 0;
@@ -67,6 +68,8 @@ struct SphInfill::Impl {
   /// Before a step, where nothing sleeps: whether the list is to be built anew, and with which skin then.
   [[nodiscard]] bool list_has_served();
   void build_list();
+  /// Where steps are individual: in part, if that does.
+  void renew_list();
   /// Makes the neighbours of all that will be computed known, and chooses what that is.
   void prepare(const Vec3Array* impulse, double window);
   /// Chooses what will be computed, where steps are individual: all neighbours are known then.

@@ -13,14 +13,21 @@ namespace {
 /// Bounds of the neighbour list's skin over the pitch. Wider: fewer rebuilds, more pairs out of reach to pass
 /// over. Results do not depend on it. Where nothing sleeps it follows the motion.
 constexpr double least_skin_over_pitch = 0.02, largest_skin_over_pitch = 0.3;
+/// Where only part of the list is renewed, its skin changes once another is better by this factor: that takes
+/// a build of all of it.
+constexpr double skin_growth_noted = 1.5;
 /// A list that serves this many steps may be replaced before it is out of date, by one with half the skin or
 /// less.
 constexpr std::uint64_t long_service = 50;
 
+/// Of all pairs, those that a step goes over where steps are individual and most of a bed is in motion.
+constexpr double share_with_own_steps = 0.4;
+
 /// A step's pairs cost (reach + skin)^3, its share of a rebuild 2 move/skin times what a rebuild costs, some
-/// 2.2 times the pairs (1.8 at 75 neighbours, 3 at 17): the sum is least at this skin. move: m a step.
-double best_skin(double reach, double move, double pitch) {
-  return std::clamp(std::sqrt(1.5 * reach * move), least_skin_over_pitch * pitch,
+/// 2.2 times all pairs (1.8 at 75 neighbours, 3 at 17): the sum is least at this skin. move: m a step. share:
+/// of all pairs, that a step goes over.
+double best_skin(double reach, double move, double pitch, double share) {
+  return std::clamp(std::sqrt(1.5 / share * reach * move), least_skin_over_pitch * pitch,
                     largest_skin_over_pitch * pitch);
 }
 
@@ -81,14 +88,13 @@ void SphInfill::Impl::begin_steps(double dt, int substeps, bool energy_wanted) {
   if (substeps > 1) steps.take_every_step();  // contact is not evaluated between them
   const bool rests = sleep.enabled() && !sleep.anything_moves();
   const bool choose = substeps == 1 && steps.to_be_chosen() && !rests, stale = list_has_served();
-  // A list just built, so that a resumed run chooses alike.
-  if (choose || stale) build_list();
+  if (stale) renew_list();
   // Of all that may come within the support before the list is built anew.
   const double reach = 2 * (settings.options.smoothing_length + list.allowed_displacement() - displacement);
   if (choose)
-    steps.choose(reach, list, particles, dt);
+    steps.choose(list, particles, dt);
   else if (stale)
-    steps.look_around(list, particles, reach, dt);
+    steps.look_around(list, particles, dt);
   steps.shorten(list, particles, reach, dt);
   steps.begin(dt, energy_wanted, kick_length == KickLength::step_begun);
   begun = true;
@@ -152,8 +158,10 @@ void SphInfill::Impl::note_neighbours() {
 bool SphInfill::Impl::list_has_served() {
   bool served = displacement > list.allowed_displacement();
   if (list_steps > 0 && std::isfinite(displacement)) {
-    const double skin = best_skin(2 * settings.options.smoothing_length,
-                                  displacement / static_cast<double>(list_steps), pitch);
+    const double moved = displacement - moved_before;
+    const double skin =
+        best_skin(2 * settings.options.smoothing_length, moved / static_cast<double>(list_steps), pitch,
+                  steps.enabled() ? share_with_own_steps : 1);
     served = served || (list_steps >= long_service && skin <= 0.5 * list.skin());
     list.set_skin(skin);
   }
@@ -164,7 +172,18 @@ bool SphInfill::Impl::list_has_served() {
 void SphInfill::Impl::build_list() {
   list.build(particles.position);
   sleep.forget_neighbours();
-  displacement = 0, list_steps = 1;
+  displacement = moved_before = 0, list_steps = 1;
+}
+
+void SphInfill::Impl::renew_list() {
+  const double growth = list.next_skin() / list.skin();
+  if (!std::isfinite(displacement) || growth > skin_growth_noted || growth < 1 / skin_growth_noted) {
+    build_list();
+    return;
+  }
+  const NeighbourList::Renewal renewal = list.renew(particles.position);
+  sleep.forget_neighbours();
+  displacement = moved_before = renewal.farthest, list_steps = 1;
 }
 
 double SphInfill::set_sheets(std::span<const std::array<Vec3, 4>> sheets) {

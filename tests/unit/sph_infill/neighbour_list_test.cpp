@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "core/parallel.h"
@@ -94,6 +96,79 @@ TEST(NeighbourList, TakesANewSkinWithTheNextBuild) {
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_EQ(list.row(i), brute_force(points, i, 0.17 + skin));
   }
+}
+
+/// A blow in the middle, which moves less and less round it.
+void strike(Vec3Array& points, std::mt19937_64& random, double farthest) {
+  std::normal_distribution<double> any;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double away = (points[i] - Vec3(0.5, 0.5, 0.5)).norm();
+    points.add(
+        i, farthest * std::exp(-50 * away * away) * Vec3(any(random), any(random), any(random)).normalized());
+  }
+}
+
+TEST(NeighbourList, RenewedInPartIsTheListBuiltAtItsPlacesAndMissesNoPair) {
+  Vec3Array points = random_points(3000, 1, 11);
+  std::sort(points.z.begin(), points.z.end());  // groups lie together
+  constexpr double support = 0.1, skin = 0.03;
+  NeighbourList list(points, support, skin);
+  list.keep_places();
+  list.build(points);
+  std::mt19937_64 random(12);
+  std::size_t made = 0, groups = 0;
+  for (int round = 0; round < 12; ++round) {
+    strike(points, random, 0.3 * skin);
+    const NeighbourList::Renewal renewal = list.renew(points);
+    made += renewal.groups, groups += (points.size() + group_size - 1) / group_size;
+    EXPECT_LE(renewal.farthest, skin / 8);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_LE((points[i] - list.places()[i]).norm(), renewal.farthest);
+      ASSERT_EQ(list.row(i), brute_force(list.places(), i, support + skin))
+          << "round " << round << ", particle " << i;
+    }
+  }
+  EXPECT_LT(made, groups * 9 / 10) << "part of it, not all";
+  EXPECT_GT(made, groups / 10);
+  // As far again as what stays may have moved already.
+  const double more = 0.999 * (list.allowed_displacement() - skin / 8);
+  std::normal_distribution<double> any;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points.add(i, more * Vec3(any(random), any(random), any(random)).normalized());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto listed = list.row(i);
+    for (const Index j : brute_force(points, i, support))
+      EXPECT_TRUE(std::binary_search(listed.begin(), listed.end(), j));
+  }
+}
+
+TEST(NeighbourList, RenewedWhereAllHaveMovedIsBuiltAnew) {
+  Vec3Array points = random_points(500, 1, 13);
+  NeighbourList list(points, 0.17, 0.04);
+  list.keep_places();
+  list.build(points);
+  for (std::size_t i = 0; i < points.size(); ++i) points.add(i, Vec3(0.02, 0, 0));
+  EXPECT_EQ(list.renew(points).farthest, 0);
+  EXPECT_EQ(list.places().x, points.x);
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(list.row(i), brute_force(points, i, 0.21));
+}
+
+TEST(NeighbourList, RenewedIsTheSameForAnyNumberOfThreads) {
+  const Vec3Array before = random_points(3000, 1, 14);
+  Vec3Array after = before;
+  std::mt19937_64 random(15);
+  strike(after, random, 0.02);
+  const int threads = omp_get_max_threads();
+  std::vector<NeighbourList> lists;
+  for (const int count : {1, 3}) {
+    set_threads(count);
+    NeighbourList& list = lists.emplace_back(before, 0.1, 0.02);
+    list.keep_places();
+    list.build(before);
+    (void)list.renew(after);
+  }
+  set_threads(threads);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(lists[0].row(i), lists[1].row(i));
 }
 
 TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
