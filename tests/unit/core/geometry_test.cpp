@@ -95,6 +95,23 @@ TEST(DeterministicSum, HasTheSameBitsForAnyNumberOfThreads) {
   EXPECT_NEAR(one, static_cast<double>(reference), 1e-3);
 }
 
+TEST(LargestOf, IsTheLargestWhereverItStandsAndPassesOverNaN) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int threads : {1, 3}) {
+    set_threads(threads);
+    for (const std::size_t count : {1UL, 15UL, 16UL, 17UL, 4096UL, 4097UL, 20011UL})
+      for (const std::size_t place : {std::size_t{0}, count / 2, count - 1}) {
+        const auto value = [&](std::size_t i) {
+          return i == place ? 7.0 : i % 3 == 0 ? nan : 1.0 / double(i + 1);
+        };
+        EXPECT_EQ(largest_of(count, value), 7.0) << place << " of " << count;
+      }
+  }
+  set_threads(1);
+  EXPECT_EQ(largest_of(0, [](std::size_t) { return 1.0; }), 0.0);
+  EXPECT_EQ(largest_of(3, [&](std::size_t) { return nan; }), 0.0);
+}
+
 TEST(ParallelFor, VisitsEveryIndexOnce) {
   set_threads(3);
   std::vector<int> visits(10007, 0);
