@@ -100,7 +100,7 @@ TEST(RigModel, IsFittedLikeAPoint) {
   request.problem = &problem;
   request.log = &log;
   const CalibrationResult result = calibrate(request);
-  // A rig's curve answers a millionth of the parameter with up to 0.3 % of the modulus, as friction decides.
+  // A rig's curve answers a millionth of the parameter with up to 0.3 % of the modulus.
   EXPECT_NEAR(result.fitted.values[0] / modulus, 1, 0.015);
   EXPECT_TRUE(is_inside(problem.targets[0], result.fitted.targets[0]));
 }
