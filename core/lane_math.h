@@ -11,6 +11,9 @@
 #include <cstdint>
 
 #include "core/lanes.h"
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 namespace tuft {
 
@@ -31,6 +34,19 @@ using PackBits = stdx::rebind_simd_t<std::int64_t, Pack>;
   SinglePack chosen = no;
   stdx::where(which, chosen) = yes;
   return chosen;
+}
+/// Bit l: whether lane l is below the limit; NaN is not.
+[[nodiscard]] inline unsigned lanes_below(const Pack& value, double limit) {
+#if defined(__AVX512F__)
+  return _mm512_cmp_pd_mask(std::bit_cast<__m512d>(value), _mm512_set1_pd(limit), _CMP_LT_OQ);
+#elif defined(__AVX__)
+  return static_cast<unsigned>(
+      _mm256_movemask_pd(_mm256_cmp_pd(std::bit_cast<__m256d>(value), _mm256_set1_pd(limit), _CMP_LT_OQ)));
+#else
+  unsigned bits = 0;
+  for (std::size_t l = 0; l < lanes; ++l) bits |= static_cast<unsigned>(value[l] < limit) << l;
+  return bits;
+#endif
 }
 [[nodiscard]] inline bool any(bool which) {
   return which;

@@ -127,34 +127,55 @@ void BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& poi
   result.dt = result.weight = length;
 }
 
+void BodyContact::sum_up(std::size_t pair, Vec3Array& linear, Vec3Array* angular, ContactEnergy& energy,
+                         Vec3* on_bodies) const {
+  const Result& r = results_[pair];
+  energy.friction += r.contact.friction;
+  if (!r.touching) return;
+  energy.elastic += r.contact.elastic;
+  if (r.dt == 0) return;  // not kicked
+  energy.damped += r.contact.damped;
+  energy.released += r.released;
+  const Index i = key_point(keys_[pair]);
+  linear.add(i, r.weight * r.contact.force);
+  if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * r.dt));
+  on_bodies[key_other(keys_[pair])] -= r.contact.force * r.dt;
+}
+
 void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead,
                            double dt, double release, double release_before, double weight, Vec3Array& linear,
                            Vec3Array* angular, BodyImpulses& on_bodies) {
-  const std::size_t pairs = keys_.size();
+  // Parts begin where a point does, so that no two add to the same one. They do not depend on the threads, and
+  // neither does the order in which their sums are added.
+  const std::size_t pairs = keys_.size(), parts = (pairs + sum_block - 1) / sum_block;
+  const auto first_of = [&](std::size_t part) {
+    std::size_t g = std::min(pairs, part * sum_block);
+    while (g > 0 && g < pairs && key_point(keys_[g]) == key_point(keys_[g - 1])) ++g;
+    return g;
+  };
+  part_energy_.assign(parts, {});
+  part_on_bodies_.assign(parts * bodies.size(), Vec3::Zero());
 #pragma omp parallel for schedule(static) if (pairs > least_for_threads)
-  for (std::size_t g = 0; g < pairs; ++g) {
-    if (!points.kicks.empty() && !bodies[key_other(keys_[g])].can_move()) {
-      evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
-      continue;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t end = first_of(part + 1);
+    for (std::size_t g = first_of(part); g < end; ++g) {
+      if (!points.kicks.empty() && !bodies[key_other(keys_[g])].can_move()) {
+        evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
+      } else {
+        results_[g] = evaluate_pair(g, points, bodies, ahead, dt, release, release_before);
+        results_[g].weight = weight, results_[g].dt = dt;
+      }
+      sum_up(g, linear, angular, part_energy_[part], &part_on_bodies_[part * bodies.size()]);
     }
-    results_[g] = evaluate_pair(g, points, bodies, ahead, dt, release, release_before);
-    results_[g].weight = weight, results_[g].dt = dt;
   }
-
-  // Serial, so that the order of additions does not depend on the threads.
   energy_.elastic = 0;
-  for (std::size_t g = 0; g < pairs; ++g) {
-    const Result& r = results_[g];
-    energy_.friction += r.contact.friction;
-    if (!r.touching) continue;
-    energy_.elastic += r.contact.elastic;
-    if (r.dt == 0) continue;  // not kicked
-    energy_.damped += r.contact.damped;
-    energy_.released += r.released;
-    const Index i = key_point(keys_[g]);
-    linear.add(i, r.weight * r.contact.force);
-    if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * r.dt));
-    on_bodies.impulse[key_other(keys_[g])] -= r.contact.force * r.dt;
+  for (std::size_t part = 0; part < parts; ++part) {
+    energy_.elastic += part_energy_[part].elastic;
+    energy_.friction += part_energy_[part].friction;
+    energy_.damped += part_energy_[part].damped;
+    energy_.released += part_energy_[part].released;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      on_bodies.impulse[b] += part_on_bodies_[part * bodies.size() + b];
   }
 }
 
@@ -239,7 +260,8 @@ void BodyContact::for_near_points(const ParticleView& points, const std::vector<
       beside_moving = beside_moving || bodies[static_cast<std::size_t>(key_other(keys_[g]))].can_move();
     }
     const auto point = static_cast<std::size_t>(i);
-    take(point, step_under(k, point, static_cast<int>(g - first), points, with_dashpots), beside_moving);
+    take(first, point, step_under(k, point, static_cast<int>(g - first), points, with_dashpots),
+         beside_moving);
   }
 }
 
@@ -252,8 +274,23 @@ std::vector<double> BodyContact::stable_steps(const ParticleView& points,
     for (std::size_t i = 0; i < points.size(); ++i)
       steps[i] = step_under(stiffness_apart(i), i, searched_ ? 0 : 3, points, with_dashpots);
   for_near_points(points, bodies, horizon, with_dashpots,
-                  [&](std::size_t i, double step, bool) { steps[i] = step; });
+                  [&](std::size_t, std::size_t i, double step, bool) { steps[i] = step; });
   return steps;
+}
+
+double BodyContact::least_stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                                      double horizon, bool with_dashpots) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least = infinity;
+  if (!searched_ || !all_stiffen_)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      least =
+          std::min(least, step_under(stiffness_apart(i), i, searched_ ? 0 : 3, points, with_dashpots));
+  std::vector<double> near(keys_.size(), infinity);
+  for_near_points(points, bodies, horizon, with_dashpots,
+                  [&](std::size_t first, std::size_t, double step, bool) { near[first] = step; });
+  for (const double step : near) least = std::min(least, step);
+  return least;
 }
 
 void BodyContact::leave_near(std::vector<double>& steps) const {
@@ -268,7 +305,7 @@ void BodyContact::leave_near(std::vector<double>& steps) const {
 void BodyContact::raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,
                               double horizon, bool with_dashpots, std::vector<float>& rates) const {
   for_near_points(points, bodies, horizon, with_dashpots,
-                  [&](std::size_t i, double step, bool beside_moving) {
+                  [&](std::size_t, std::size_t i, double step, bool beside_moving) {
                     const float rate =
                         beside_moving ? std::numeric_limits<float>::infinity() : static_cast<float>(1 / step);
                     rates[i] = std::max(rates[i], rate);

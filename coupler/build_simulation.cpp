@@ -86,6 +86,9 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
   const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
   PointContact result;
   FoundOnce<double> known;
+  std::vector<double> damping_ratio;  // by material
+  for (const Material& material : scene.materials)
+    damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Index m = particles.material[i];
     const Material& material = scene.materials[static_cast<std::size_t>(m)];
@@ -94,7 +97,7 @@ PointContact particle_contact(const Scene& scene, const std::vector<EffectDecisi
     // Radii of grains are all different.
     result.stiffness.push_back(scene.infill.approach == Approach::dem ? penalty()
                                                                       : known.of(m, radius, radius, penalty));
-    result.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+    result.damping_ratio.push_back(damping_ratio[static_cast<std::size_t>(m)]);
     result.fibre_friction.push_back(friction_of(material.fibre_friction, with_rate));
     result.body_friction.push_back(friction_of(material.body_friction, with_rate));
   }

@@ -33,6 +33,16 @@ struct NormalSpring {
       return energy(end) + (force(end) + 0.5 * tangent(end) * (overlap - end)) * (overlap - end);
     return stiffness / stiffening * (std::expm1(stiffening * overlap) / stiffening - overlap);
   }
+  struct State {
+    double tangent, force, energy;
+  };
+  /// All of them at once, of one exponential.
+  [[nodiscard]] State at(double overlap) const {
+    if (!(stiffening > 0)) return {stiffness, stiffness * overlap, 0.5 * stiffness * overlap * overlap};
+    if (overlap > end) return {tangent(end), force(overlap), energy(overlap)};
+    const double rise = std::expm1(stiffening * overlap), per_stiffening = stiffness / stiffening;
+    return {stiffness * (1 + rise), per_stiffening * rise, per_stiffening * (rise / stiffening - overlap)};
+  }
 };
 
 /// What stays the same while two things touch.
@@ -122,9 +132,8 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
 inline ContactForce compute_contact_force(const ContactParameters& p, const ContactKinematics& c, double dt,
                                           ContactHistory& history) {
   ContactForce result;
-  const double stiffness = p.spring.tangent(c.overlap);
+  const auto [stiffness, spring_force, spring_energy] = p.spring.at(c.overlap);
   const double dashpot = 2.0 * p.damping_ratio * std::sqrt(stiffness * c.effective_mass);
-  const double spring_force = p.spring.force(c.overlap);
   const double pressed = std::max(0.0, spring_force + dashpot * c.closing);
   const double beyond_spring = pressed - spring_force, normal_force = pressed * c.gradient;
   result.damped = 0.5 * (history.dashpot + beyond_spring) * c.closing * dt;
@@ -151,7 +160,7 @@ inline ContactForce compute_contact_force(const ContactParameters& p, const Cont
   const double stored = 0.5 * spring.squaredNorm();
   result.friction = -0.5 * (history.tangential + tangential).dot(c.velocity) * dt - (stored - stored_before);
   history.tangential = tangential;
-  result.elastic = p.spring.energy(c.overlap) + stored;
+  result.elastic = spring_energy + stored;
   result.pressed = pressed;
   result.force = normal_force * c.normal + tangential;
   return result;

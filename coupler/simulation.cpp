@@ -28,9 +28,15 @@ void copy(std::span<const double> from, std::vector<double>& to) {
 }
 
 void zero(Vec3Array& values) {
-  std::fill(values.x.begin(), values.x.end(), 0.0);
-  std::fill(values.y.begin(), values.y.end(), 0.0);
-  std::fill(values.z.begin(), values.z.end(), 0.0);
+  constexpr std::size_t share = 4096;
+  const std::size_t count = values.size();
+#pragma omp parallel for schedule(static) if (count > share)
+  for (std::size_t part = 0; part < (count + share - 1) / share; ++part) {
+    const auto first = static_cast<std::ptrdiff_t>(part * share);
+    const auto length = static_cast<std::ptrdiff_t>(std::min(share, count - part * share));
+    for (auto* component : {&values.x, &values.y, &values.z})
+      std::fill_n(component->begin() + first, length, 0.0);
+  }
 }
 
 /// Torques are for particles with spin alone.

@@ -18,10 +18,12 @@ constexpr int patience = 50;
 StableSteps Simulation::stable_steps(double interval) const {
   const double infill = parts_.infill->stable_step();
   const ParticleView particles = parts_.infill->particles();
-  std::vector<double> steps = particle_body_.stable_steps(particles, parts_.bodies, interval, !has_carpet());
-  double touching = *std::min_element(steps.begin(), steps.end());
-  if (!has_carpet())  // the infill alone sets the window
+  if (!has_carpet()) {  // the infill alone sets the window
+    const double touching = particle_body_.least_stable_step(particles, parts_.bodies, interval, true);
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
+  }
+  std::vector<double> steps = particle_body_.stable_steps(particles, parts_.bodies, interval, false);
+  double touching = *std::min_element(steps.begin(), steps.end());
   particle_body_.leave_near(steps);  // of what touches both the springs add up
   particle_shell_.shorten_steps(particles, steps);
   touching = std::min(touching, *std::min_element(steps.begin(), steps.end()));

@@ -30,10 +30,13 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
     for (std::size_t g = 0; g < values.size(); ++g) {
       if (values[g] > largest) continue;
       const NeighbourList::GroupRows rows = list.group(g);
-      for (std::size_t e = 0; e < rows.length * group_size; ++e) {
-        std::uint8_t& other = mine[rows.first[e].index() / group_size];
-        other = std::min(other, values[g]);
-      }
+      for (std::size_t l = 0; l < group_size; ++l)  // along a row several after each other are of one group
+        for (std::size_t k = 0, last = g; k < rows.length; ++k) {
+          const std::size_t other = rows.first[k * group_size + l].index() / group_size;
+          if (other == last) continue;
+          last = other;
+          mine[other] = std::min(mine[other], values[g]);
+        }
     }
 #pragma omp critical
     for (std::size_t g = 0; g < values.size(); ++g) smallest[g] = std::min(smallest[g], mine[g]);
@@ -90,12 +93,12 @@ std::size_t IndividualSteps::kicked_particles(std::size_t first, std::size_t end
 
 void IndividualSteps::set_contact_rates(std::span<const float> rates) {
   if (!enabled()) return;
-  for (std::size_t g = 0; g < groups(); ++g) {
+  parallel_for(groups(), [&](std::size_t g) {
     float largest = 0;
     for (std::size_t i = g * group_size; i < std::min(particles_, (g + 1) * group_size); ++i)
       largest = std::max(largest, rates[i]);
     contact_rate_[g] = largest;
-  }
+  });
 }
 
 void IndividualSteps::choose(const NeighbourList& list, const Particles& p, double dt) {
@@ -201,32 +204,28 @@ void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
   in_step_ = phase_ % cycle_ == 0;
   since_wanted_ = in_step_ && energy_wanted ? 0 : since_wanted_ + 1;
   kicked_particles_ = 0;
-  for (std::size_t g = 0; g < groups(); ++g) {
-    const auto is_due = [&](std::uint8_t pace) { return in_step_ || phase_ % pace == 0; };
+  const auto is_due = [this](std::uint8_t pace) { return in_step_ || (phase_ & (pace - 1U)) == 0; };  // powers of two
+  for (std::size_t g = 0; g < groups(); ++g)
     due_[g] =
         static_cast<std::uint8_t>((is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));
-    if (is_kicked(g)) {
-      plan_kick(g, dt, as_begun);
-      kicked_particles_ += std::min(particles_, (g + 1) * group_size) - g * group_size;
-    } else {
-      kick_length_[g] = 0;
-    }
+  std::fill(kick_length_.begin(), kick_length_.end(), 0.0);
+  for (std::size_t g = 0; g < groups(); ++g) {
+    if (!is_kicked(g)) continue;
+    plan_kick(g, dt, as_begun);
+    kicked_particles_ += std::min(particles_, (g + 1) * group_size) - g * group_size;
   }
   kicks_ = {group_size, since_kick_, kick_length_};
 }
 
 void IndividualSteps::end(double dt) {
   for (std::size_t g = 0; g < groups(); ++g) {
-    if (is_strained(g)) since_strain_[g] = 0;
-    if (is_kicked(g)) {
-      since_kick_[g] = 0;
-      steps_since_kick_[g] = 0;
-      planned_[g] = period_[g] * dt;
-      kick_period_[g] = period_[g];
-    }
-    since_strain_[g] += dt;
-    since_kick_[g] += dt;
-    ++steps_since_kick_[g];
+    since_strain_[g] = (is_strained(g) ? 0 : since_strain_[g]) + dt;
+    since_kick_[g] = (is_kicked(g) ? 0 : since_kick_[g]) + dt;
+  }
+  for (std::size_t g = 0; g < groups(); ++g) {
+    if (is_kicked(g)) planned_[g] = period_[g] * dt;
+    kick_period_[g] = is_kicked(g) ? period_[g] : kick_period_[g];
+    steps_since_kick_[g] = static_cast<std::uint8_t>((is_kicked(g) ? 0 : steps_since_kick_[g]) + 1);
   }
   phase_ = (phase_ + 1) % most;
   ++since_chosen_;

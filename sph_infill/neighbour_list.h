@@ -29,6 +29,11 @@ class RowEntry {
 
   RowEntry() = default;
   explicit RowEntry(std::size_t index) : place_(static_cast<std::uint32_t>(places * index)) {}
+  [[nodiscard]] static RowEntry at(std::uint32_t place) {
+    RowEntry entry;
+    entry.place_ = place;
+    return entry;
+  }
   [[nodiscard]] std::size_t place() const { return place_; }
   [[nodiscard]] std::size_t index() const { return place_ / places; }
 
@@ -114,25 +119,48 @@ class NeighbourList {
     std::uint32_t made = 0;  ///< the `begin` it belongs to
     std::vector<RowEntry> entries;
   };
-  /// What one thread needs to build rows.
+  /// What one thread needs to make rows.
   struct Scratch;
+  struct GroupPositions;
+  struct Box {
+    std::array<double, 3> low, high;  ///< m; low > high: of nothing
+    [[nodiscard]] double extent(std::size_t d) const { return high[d] - low[d]; }
+    [[nodiscard]] double middle(std::size_t d) const { return 0.5 * (low[d] + high[d]); }
+  };
+  struct CellEntry {
+    std::uint32_t cell;
+    Index group;
+  };
 
   void size_cells();
   void sort_into_cells(const Vec3Array& positions);
+  void choose_compact_extent(std::span<const Box> boxes);
+  [[nodiscard]] bool is_compact(const Box& box) const;
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
-  void find_candidates(const Vec3Array& positions, std::size_t begin, std::size_t end,
-                       Scratch& scratch) const;
+  /// Of those that are not left out.
+  [[nodiscard]] Box box_of(const Vec3Array& positions, std::size_t begin, std::size_t end) const;
+  [[nodiscard]] unsigned present_in(std::size_t group) const;  ///< a bit a lane
+  void add_candidates(const Box& box, Scratch& scratch) const;
   /// chosen: by group, those whose rows are made; null: all.
   void make_rows(const Vec3Array& positions, std::size_t block, const std::uint8_t* chosen = nullptr);
-  void find_rows(const Vec3Array& positions, std::size_t begin, std::size_t end, Scratch& scratch) const;
+  void find_rows(const Vec3Array& positions, std::size_t group, Scratch& scratch) const;
+  void find_rows_together(const Vec3Array& positions, std::size_t group, const Box& box, Scratch& scratch) const;
+  void find_rows_apart(const Vec3Array& positions, std::size_t group, Scratch& scratch) const;
   void drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const;
+  static void lay_side_by_side(std::size_t begin, std::size_t end, Scratch& scratch);
 
-  double support_ = 0, skin_ = 0, next_skin_ = 0, reach_ = 0, cell_size_ = 1;
+  double support_ = 0, skin_ = 0, next_skin_ = 0, reach_ = 0;
+  std::array<double, 3> cell_size_{1, 1, 1};  ///< m
   std::array<double, 3> box_low_{}, box_high_{};
   std::array<double, 3> low_{};  ///< of the cells
   std::array<std::size_t, 3> cells_{1, 1, 1};
-  std::vector<std::uint32_t> cell_begin_;  ///< particles of a cell in cell order; z runs fastest
-  std::vector<Index> cell_particle_;
+  /// m; groups no larger are found by the middle of their box, others by each of their particles.
+  std::array<double, 3> compact_extent_{};
+  std::array<double, 3> half_extent_{};    ///< m, half of the largest that are found by their middle
+  std::vector<std::uint32_t> cell_begin_;  ///< groups of a cell in cell order; z runs fastest
+  std::vector<Index> cell_group_;
+  std::vector<Box> boxes_;               ///< scratch of `sort_into_cells`
+  std::vector<CellEntry> cell_entries_;  ///< likewise
   [[nodiscard]] bool is_left_out(std::size_t i) const { return !left_out_.empty() && left_out_[i] != 0; }
 
   SeparatedPairs separated_;

@@ -88,13 +88,16 @@ bool Sleep::contact_has_changed(std::size_t block, const Particles& p, const Vec
 void Sleep::remember_contact(std::size_t block, const Vec3Array* impulses, double window,
                              const ParticleKicks& kicks) {
   const std::size_t end = std::min(particles_, (block + 1) * block_size);
-  for (std::size_t i = block * block_size; i < end; ++i) {
-    const double length = kicks.empty() ? window : kicks.length[i / kicks.group];
+  std::array<const std::vector<double>*, 3> impulse{};
+  if (impulses != nullptr) impulse = {&impulses->x, &impulses->y, &impulses->z};
+  for (std::size_t first = block * block_size; first < end; first += group_size) {
+    const std::size_t last = std::min(end, first + group_size);
+    const double length = kicks.empty() ? window : kicks.length[first / kicks.group];
     if (length == 0) continue;  // contact has not been evaluated for it
     const double per_length = 1 / length;
-    contact_[0][i] = impulses ? static_cast<float>(impulses->x[i] * per_length) : 0;
-    contact_[1][i] = impulses ? static_cast<float>(impulses->y[i] * per_length) : 0;
-    contact_[2][i] = impulses ? static_cast<float>(impulses->z[i] * per_length) : 0;
+    for (std::size_t d = 0; d < contact_.size(); ++d)
+      for (std::size_t i = first; i < last; ++i)
+        contact_[d][i] = impulse[d] ? static_cast<float>((*impulse[d])[i] * per_length) : 0;
   }
 }
 

@@ -102,6 +102,7 @@ void SphInfill::Impl::save_steps(h5::Group& group) const {
   steps.save(group);
   // Paces are of what its list reaches.
   group.write_scalar("list_skin", list.skin());
+  group.write_scalar("list_next_skin", list.next_skin());
   group.write_scalar("list_steps", list_steps);
   group.write_scalar("list_moved_before", moved_before);
   group.write("list_place_x", list.places().x);
@@ -121,6 +122,8 @@ void SphInfill::Impl::load_steps(const h5::Group& group) {
   const std::size_t n = particles.size();
   list.build({read_array(group, "list_place_x", n), read_array(group, "list_place_y", n),
               read_array(group, "list_place_z", n)});
+  // A list that is to be built for another reason than motion takes the skin that was found last.
+  list.set_skin(group.read_double("list_next_skin"));
   list_steps = group.read_count("list_steps");
   moved_before = group.read_double("list_moved_before");
   const std::vector<double> own = read_array(group, "own_step", particles.size());

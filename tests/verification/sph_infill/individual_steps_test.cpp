@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <filesystem>
 #include <limits>
+#include <memory>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -179,23 +180,61 @@ TEST_P(IndividualStepsOf, GiveTheSameBitsOnOneAndTwoThreads) {
   test::expect_same(one.infill, two.infill);
 }
 
-TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoKicks) {
+std::filesystem::path saved(SphInfill& infill, const std::string& name) {
   const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("tuft_own_steps_" + std::to_string(getpid()) + ".h5");
+      std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()) + ".h5");
+  h5::File out = h5::File::create_atomically(path);
+  h5::Group group = out.root().create_group("infill");
+  infill.save(group);
+  out.commit();
+  return path;
+}
+
+TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoKicks) {
   LayeredBlock straight(8, GetParam(), true);
   straight.strike(20);
   run(straight, 75);
-  {
-    h5::File out = h5::File::create_atomically(path);
-    h5::Group group = out.root().create_group("infill");
-    straight.infill.save(group);
-    out.commit();
-  }
+  const std::filesystem::path path = saved(straight.infill, "tuft_own_steps");
   LayeredBlock resumed(8, GetParam(), true);
   resumed.infill.load(h5::File::open(path).root().open_group("infill"));
   std::filesystem::remove(path);
   run(straight, 130), run(resumed, 130);
   test::expect_same(straight.infill, resumed.infill);
+}
+
+/// What a particle that leaves asks for is a list built at once, with the skin that was found best last.
+TEST(IndividualSteps, GoOnWithTheSameListWhenSavedAsAParticleLeaves) {
+  SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
+  const Lattice lattice = LayeredBlock::lattice_of();
+  settings.box.high.z() = (stiff_rows + soft_rows + 2) * pitch;
+  const auto make = [&] { return std::make_unique<SphInfill>(lattice, test::stiff_and_soft(), settings); };
+  const auto straight = make(), resumed = make();
+  const std::size_t top = lattice.position.size() - 1;
+  straight->set_velocity(top, {0, 0, 60});
+  for (int k = 0; straight->expelled().particles == 0; ++k) {
+    ASSERT_LT(k, 1000);
+    straight->advance(0.7 * straight->stable_step(), 1, {});
+  }
+  const std::filesystem::path first = saved(*straight, "tuft_leaves");
+  const auto skin_of = [](const h5::Group& group, const char* which) { return group.read_double(which); };
+  {
+    const h5::File file = h5::File::open(first);
+    const h5::Group group = file.root().open_group("infill");
+    ASSERT_NE(skin_of(group, "list_skin"), skin_of(group, "list_next_skin")) << "the case in question";
+    resumed->load(group);
+  }
+  std::vector<double> skins;
+  for (SphInfill* infill : {straight.get(), resumed.get()}) {
+    infill->advance(0.7 * infill->stable_step(), 1, {});
+    const std::filesystem::path second = saved(*infill, "tuft_left");
+    skins.push_back(skin_of(h5::File::open(second).root().open_group("infill"), "list_skin"));
+    std::filesystem::remove(second);
+  }
+  std::filesystem::remove(first);
+  EXPECT_EQ(skins[0], skins[1]);
+  for (SphInfill* infill : {straight.get(), resumed.get()})
+    for (int k = 0; k < 200; ++k) infill->advance(0.7 * infill->stable_step(), 1, {});
+  test::expect_same(*straight, *resumed);
 }
 
 TEST(IndividualSteps, OfAFallingBlockAreThoseOfFreeFall) {
