@@ -17,7 +17,7 @@ namespace {
 /// (Saitoh & Makino 2009, ApJ 697, L99: 4).
 constexpr int largest_ratio = 4;
 
-/// Each group's value and those of its neighbours: the smallest. Rows are symmetric, so groups may hand their
+/// Each group's value and those of its neighbours: the smallest. Pairs are symmetric, so groups may hand their
 /// values to their neighbours instead of asking them; and those above `largest`, most of a bed, need not.
 /// Each thread has values of its own, and the smallest does not depend on who finds it.
 std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::vector<std::uint8_t>& values,
@@ -29,14 +29,10 @@ std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::
 #pragma omp for schedule(static)
     for (std::size_t g = 0; g < values.size(); ++g) {
       if (values[g] > largest) continue;
-      const NeighbourList::GroupRows rows = list.group(g);
-      for (std::size_t l = 0; l < group_size; ++l)  // along a row several after each other are of one group
-        for (std::size_t k = 0, last = g; k < rows.length; ++k) {
-          const std::size_t other = rows.first[k * group_size + l].index() / group_size;
-          if (other == last) continue;
-          last = other;
-          mine[other] = std::min(mine[other], values[g]);
-        }
+      for (const Index near : list.groups_near(g)) {
+        std::uint8_t& other = mine[static_cast<std::size_t>(near)];
+        other = std::min(other, values[g]);
+      }
     }
 #pragma omp critical
     for (std::size_t g = 0; g < values.size(); ++g) smallest[g] = std::min(smallest[g], mine[g]);

@@ -69,8 +69,8 @@ class NeighbourList {
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
 
-  /// From the next build on the places that rows were made for are kept, so that `renew` may follow; 24 bytes
-  /// a particle.
+  /// From the next build on the places that rows were made for are kept, so that `renew` may follow, and which groups are
+  /// near each other; some 50 bytes a particle.
   void keep_places() { keeps_places_ = true; }
   [[nodiscard]] const Vec3Array& places() const { return places_; }
   struct Renewal {
@@ -108,6 +108,13 @@ class NeighbourList {
     const std::size_t k = g % groups_per_block;
     return {block.entries.data() + block.begin[k], (block.begin[k + 1] - block.begin[k]) / group_size};
   }
+  /// Where places are kept: groups with a pair with one of this group, ascending; the group itself may be one. Pairs that
+  /// are separated count.
+  [[nodiscard]] std::span<const Index> groups_near(std::size_t g) const {
+    const Block& block = blocks_[g / groups_per_block];
+    const std::size_t k = g % groups_per_block;
+    return std::span(block.near).subspan(block.near_begin[k], block.near_begin[k + 1] - block.near_begin[k]);
+  }
   /// Neighbours of particle i, for tests and reports.
   [[nodiscard]] std::vector<Index> row(std::size_t i) const;
 
@@ -115,9 +122,10 @@ class NeighbourList {
   static constexpr std::size_t groups_per_block = block_size / group_size;
   /// Rows of some groups, stored apart so that threads build them without waiting for each other.
   struct Block {
-    std::array<std::uint32_t, groups_per_block + 1> begin{};
+    std::array<std::uint32_t, groups_per_block + 1> begin{}, near_begin{};
     std::uint32_t made = 0;  ///< the `begin` it belongs to
     std::vector<RowEntry> entries;
+    std::vector<Index> near;
   };
   /// What one thread needs to make rows.
   struct Scratch;

@@ -44,9 +44,8 @@ void NeighbourList::mark_neighbours(std::size_t block) {
     const std::size_t g = block * groups_per_block + k;
     if (g >= moved_.size()) return;
     if (moved_[g] == 0) continue;
-    const GroupRows rows = group(g);
-    for (std::size_t e = 0; e < rows.length * group_size; ++e)  // other threads mark, too
-      std::atomic_ref(beside_[rows.first[e].index() / group_size]).store(1, std::memory_order_relaxed);
+    for (const Index other : groups_near(g))  // other threads mark, too
+      std::atomic_ref(beside_[static_cast<std::size_t>(other)]).store(1, std::memory_order_relaxed);
   }
 }
 

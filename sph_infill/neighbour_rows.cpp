@@ -144,6 +144,7 @@ struct NeighbourList::Scratch {
   std::size_t stride = 0;
   std::array<std::size_t, group_size> length{};
   std::vector<RowEntry> entries;  ///< of a block
+  std::vector<Index> near;        ///< likewise, groups with which a group has pairs
 
   /// Where rows end that are still empty.
   [[nodiscard]] RowEnds make_room(std::size_t most_candidates) {
@@ -205,22 +206,27 @@ void NeighbourList::find_rows_together(const Vec3Array& positions, std::size_t g
   const Coordinates low = everywhere({box.low[0], box.low[1], box.low[2]}),
                     high = everywhere({box.high[0], box.high[1], box.high[2]});
   const double reach_squared = reach_ * reach_;
+  const unsigned present = present_in(group);
   for (const Index candidate : scratch.candidates) {
     const auto other = static_cast<std::size_t>(candidate);
     const GroupPositions theirs(positions, other);
     unsigned listed = theirs.near(reach_squared, [&](const Coordinates& points) {
       return squared_distance(low, high, points);
     });
-    if (!left_out_.empty()) listed &= present_in(other);
+    listed &= present_in(other);
     if (listed == 0) continue;
     const Places places = places_of_group(other);
     const unsigned itself = other == group ? 1 : 0;
+    unsigned any_near = 0;
     for (std::size_t l = 0; l < count; ++l) {
-      const unsigned near = theirs.near(reach_squared, [&](const Coordinates& points) {
+      unsigned near = theirs.near(reach_squared, [&](const Coordinates& points) {
         return squared_distance(own[l], points);
       });
-      append(ends[l], places, near & listed & ~(itself << l));
+      near &= (present >> l & 1U) != 0 ? listed & ~(itself << l) : 0;
+      any_near |= near;
+      append(ends[l], places, near);
     }
+    if (any_near != 0) scratch.near.push_back(candidate);
   }
   scratch.note_lengths(ends);
 }
@@ -232,12 +238,13 @@ void NeighbourList::find_rows_apart(const Vec3Array& positions, std::size_t grou
   std::size_t most = 0;
   for (std::size_t l = 0; l < count; ++l) {
     const std::size_t i = begin + l;
-    if (!is_left_out(i)) add_candidates(box_of(positions, i, i + 1), scratch);
+    if (!is_left_out(i)) add_candidates(box_of(positions, i, i + 1), scratch);  // which has no row
     scratch.found.take_sorted(scratch.candidates);
     first[l + 1] = scratch.candidates.size();
     most = std::max(most, first[l + 1] - first[l]);
   }
   RowEnds ends = scratch.make_room(most);
+  const auto near_begin = static_cast<std::ptrdiff_t>(scratch.near.size());
   for (std::size_t l = 0; l < count; ++l) {
     const Coordinates own = everywhere(positions[begin + l]);
     for (std::size_t k = first[l]; k < first[l + 1]; ++k) {
@@ -246,9 +253,13 @@ void NeighbourList::find_rows_apart(const Vec3Array& positions, std::size_t grou
         return squared_distance(own, points);
       });
       if (other == group) near &= ~(1U << l);
-      append(ends[l], places_of_group(other), near & present_in(other));
+      near &= present_in(other);
+      if (near != 0) scratch.near.push_back(scratch.candidates[k]);
+      append(ends[l], places_of_group(other), near);
     }
   }
+  std::sort(scratch.near.begin() + near_begin, scratch.near.end());
+  scratch.near.erase(std::unique(scratch.near.begin() + near_begin, scratch.near.end()), scratch.near.end());
   scratch.note_lengths(ends);
 }
 
@@ -261,8 +272,6 @@ void NeighbourList::find_rows(const Vec3Array& positions, std::size_t group, Scr
     find_rows_together(positions, group, box, scratch);
   else
     find_rows_apart(positions, group, scratch);
-  for (std::size_t i = begin; i < end; ++i)
-    if (is_left_out(i)) scratch.length[i - begin] = 0;
 }
 
 void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const {
@@ -297,21 +306,25 @@ void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b, const s
   static thread_local Scratch scratch;
   const std::size_t n = positions.size();
   Block& block = blocks_[b];
-  scratch.entries.clear();
-  std::uint32_t before = 0;  // where the group's rows began
+  scratch.entries.clear(), scratch.near.clear();
+  std::uint32_t before = 0, near_before = 0;  // where the group's rows began
   for (std::size_t k = 0; k < groups_per_block; ++k) {
     const std::size_t g = b * groups_per_block + k, begin = g * group_size, end = std::min(n, begin + group_size);
-    const std::uint32_t first = std::exchange(before, block.begin[k + 1]);
+    const std::uint32_t first = std::exchange(before, block.begin[k + 1]),
+                        near_first = std::exchange(near_before, block.near_begin[k + 1]);
     if (begin < n && chosen && chosen[g] == 0) {
       scratch.entries.insert(scratch.entries.end(), block.entries.begin() + first, block.entries.begin() + before);
+      scratch.near.insert(scratch.near.end(), block.near.begin() + near_first, block.near.begin() + near_before);
     } else if (begin < n) {
       find_rows(positions, g, scratch);
       if (!separated_.empty()) drop_separated(begin, end, scratch);
       lay_side_by_side(begin, end, scratch);
     }
     block.begin[k + 1] = static_cast<std::uint32_t>(scratch.entries.size());
+    if (keeps_places_) block.near_begin[k + 1] = static_cast<std::uint32_t>(scratch.near.size());
   }
   block.entries.assign(scratch.entries.begin(), scratch.entries.end());
+  if (keeps_places_) block.near.assign(scratch.near.begin(), scratch.near.end());
   block.made = begun_;
 }
 

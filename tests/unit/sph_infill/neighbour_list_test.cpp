@@ -26,6 +26,51 @@ std::vector<Index> brute_force(const Vec3Array& points, std::size_t i, double re
   return row;
 }
 
+/// Rows of a lattice one after the other, thrown off it by up to a quarter: groups lie together.
+Vec3Array rows_of_points(std::size_t along, double pitch, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(-0.25 * pitch, 0.25 * pitch);
+  Vec3Array points;
+  for (std::size_t x = 0; x < along; ++x)
+    for (std::size_t z = 0; z < along; ++z)
+      for (std::size_t y = 0; y < along; ++y)
+        points.push_back({static_cast<double>(x) * pitch + any(random), static_cast<double>(y) * pitch + any(random),
+                          static_cast<double>(z) * pitch + any(random)});
+  return points;
+}
+
+TEST(NeighbourList, HoldsExactlyThePairsWithinReachWhereGroupsLieTogether) {
+  Vec3Array points = rows_of_points(13, 0.1, 17);  // 13: groups run on from row to row
+  for (std::size_t i = 3; i < points.size(); i += 29) points.set(i, {0.6, 0.5, 1.5 + 1e-3 * static_cast<double>(i)});
+  NeighbourList list(points, 0.23, 0.03);
+  list.keep_places();
+  list.leave_out(40, points.size());
+  list.build(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<Index> expected = brute_force(points, i, 0.26);
+    std::erase(expected, 40);
+    if (i == 40) expected.clear();
+    ASSERT_EQ(list.row(i), expected) << i;
+  }
+}
+
+/// By blocks, after particles have moved as far as they may since their groups were sorted into cells.
+TEST(NeighbourList, CompletesRowsOfThePresentPositionsWhereGroupsLieTogether) {
+  Vec3Array points = rows_of_points(13, 0.1, 18);
+  constexpr double support = 0.23, skin = 0.06;
+  NeighbourList list(points, support, skin);
+  list.begin(points);
+  std::mt19937_64 random(19);
+  std::normal_distribution<double> any;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points.add(i, 0.499 * skin * Vec3(any(random), any(random), any(random)).normalized());
+  std::vector<Index> blocks;
+  for (std::size_t b = 0; b * block_size < points.size(); ++b) blocks.push_back(static_cast<Index>(b));
+  list.complete(points, blocks);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    ASSERT_EQ(list.row(i), brute_force(points, i, support + skin)) << i;
+}
+
 TEST(NeighbourList, HoldsExactlyThePairsWithinReachSortedByIndex) {
   const Vec3Array points = random_points(600, 1, 1);
   NeighbourList list(points, 0.17, 0.03);
@@ -50,6 +95,27 @@ TEST(NeighbourList, EndsShorterRowsOfAGroupWithTheParticleItself) {
     }
     EXPECT_EQ(rows.length, longest);
   }
+}
+
+void expect_near_groups_of_rows(const Vec3Array& points, double support) {
+  NeighbourList list(points, support, 0.01);
+  list.keep_places();
+  list.leave_out(17, points.size());
+  list.build(points);
+  for (std::size_t g = 0; g < points.size() / group_size; ++g) {
+    std::vector<Index> near;
+    for (std::size_t i = g * group_size; i < (g + 1) * group_size; ++i)
+      for (const Index j : list.row(i)) near.push_back(static_cast<Index>(static_cast<std::size_t>(j) / group_size));
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    EXPECT_TRUE(std::ranges::equal(list.groups_near(g), near)) << "group " << g;
+  }
+  EXPECT_TRUE(list.row(17).empty());
+}
+
+TEST(NeighbourList, KnowsWhichGroupsAreNearEachOtherWherePlacesAreKept) {
+  expect_near_groups_of_rows(random_points(2400, 1, 16), 0.1);  // scattered
+  expect_near_groups_of_rows(rows_of_points(13, 0.1, 20), 0.23);
 }
 
 TEST(NeighbourList, FindsRowsOfAGroupThatIsScatteredOverTheWholeBox) {
@@ -168,7 +234,19 @@ TEST(NeighbourList, RenewedIsTheSameForAnyNumberOfThreads) {
     (void)list.renew(after);
   }
   set_threads(threads);
-  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(lists[0].row(i), lists[1].row(i));
+  NeighbourList whole(before, 0.1, 0.02);
+  whole.build(lists[0].places());
+  for (std::size_t g = 0; g < (before.size() + group_size - 1) / group_size; ++g) {
+    const auto entries = [g](const NeighbourList& list) {
+      const NeighbourList::GroupRows rows = list.group(g);
+      std::vector<std::size_t> indices;
+      for (std::size_t e = 0; e < rows.length * group_size; ++e) indices.push_back(rows.first[e].index());
+      return indices;
+    };
+    EXPECT_EQ(entries(lists[0]), entries(lists[1]));
+    EXPECT_EQ(entries(lists[0]), entries(whole)) << "padding, too";
+    EXPECT_TRUE(std::ranges::equal(lists[0].groups_near(g), lists[1].groups_near(g)));
+  }
 }
 
 TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {

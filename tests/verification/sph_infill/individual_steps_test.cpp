@@ -206,7 +206,7 @@ TEST_P(IndividualStepsOf, GiveTheSameBitsWhenContinuedFromACheckpointBetweenTwoK
 TEST(IndividualSteps, GoOnWithTheSameListWhenSavedAsAParticleLeaves) {
   SphSettings settings = LayeredBlock::settings_of(8, test::Preset::accurate, true);
   const Lattice lattice = LayeredBlock::lattice_of();
-  settings.box.high.z() = (stiff_rows + soft_rows + 2) * pitch;
+  settings.box.high.z() = (stiff_rows + soft_rows) * pitch;  // half a pitch above the top
   const auto make = [&] { return std::make_unique<SphInfill>(lattice, test::stiff_and_soft(), settings); };
   const auto straight = make(), resumed = make();
   const std::size_t top = lattice.position.size() - 1;
