@@ -145,8 +145,8 @@ void BodyContact::sum_up(std::size_t pair, Vec3Array& linear, Vec3Array* angular
 void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead,
                            double dt, double release, double release_before, double weight, Vec3Array& linear,
                            Vec3Array* angular, BodyImpulses& on_bodies) {
-  // Parts begin where a point does, so that no two add to the same one. They do not depend on the threads, and
-  // neither does the order in which their sums are added.
+  // Parts begin where a point does, so that no two add to the same one. They do not depend on the threads,
+  // and neither does the order in which their sums are added.
   const std::size_t pairs = keys_.size(), parts = (pairs + sum_block - 1) / sum_block;
   const auto first_of = [&](std::size_t part) {
     std::size_t g = std::min(pairs, part * sum_block);
@@ -284,8 +284,7 @@ double BodyContact::least_stable_step(const ParticleView& points, const std::vec
   double least = infinity;
   if (!searched_ || !all_stiffen_)
     for (std::size_t i = 0; i < points.size(); ++i)
-      least =
-          std::min(least, step_under(stiffness_apart(i), i, searched_ ? 0 : 3, points, with_dashpots));
+      least = std::min(least, step_under(stiffness_apart(i), i, searched_ ? 0 : 3, points, with_dashpots));
   std::vector<double> near(keys_.size(), infinity);
   for_near_points(points, bodies, horizon, with_dashpots,
                   [&](std::size_t first, std::size_t, double step, bool) { near[first] = step; });

@@ -114,13 +114,15 @@ class BodyContact {
                             const std::vector<RigidBody>& bodies, double dt, double release,
                             double release_before);
   /// Adds what a pair, just evaluated, gives.
-  void sum_up(std::size_t pair, Vec3Array& linear, Vec3Array* angular, ContactEnergy& energy, Vec3* on_bodies) const;
+  void sum_up(std::size_t pair, Vec3Array& linear, Vec3Array* angular, ContactEnergy& energy,
+              Vec3* on_bodies) const;
   /// N/m, of a point's springs as far as they do not depend on pairs, see stable_steps.
   [[nodiscard]] double stiffness_apart(std::size_t point) const;
   /// s, of a point near so many bodies under springs of that stiffness, see stable_steps.
   [[nodiscard]] double step_under(double stiffness, std::size_t point, int near, const ParticleView& points,
                                   bool with_dashpots) const;
-  /// take(its first pair, point, its stable step, whether one of its bodies can move) for all near a body, on all threads.
+  /// take(its first pair, point, its stable step, whether one of its bodies can move) for all near a body, on
+  /// all threads.
   template <class Take>
   void for_near_points(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
                        bool with_dashpots, Take&& take) const;

@@ -11,11 +11,11 @@
 
 namespace tuft::coupler {
 
-/// Normal spring. Linear, or one that stiffens as the infill behind it does: the stiffness grows with the force,
-/// dF/dD = k + s F, so F = k/s (exp(s D) - 1), up to the overlap `end`, beyond which it stays.
+/// Normal spring. Linear, or one that stiffens as the infill behind it does: the stiffness grows with the
+/// force, dF/dD = k + s F, so F = k/s (exp(s D) - 1), up to the overlap `end`, beyond which it stays.
 struct NormalSpring {
-  double stiffness = 0;   ///< N/m, > 0: k, at touch
-  double stiffening = 0;  ///< 1/m, >= 0: s
+  double stiffness = 0;                                  ///< N/m, > 0: k, at touch
+  double stiffening = 0;                                 ///< 1/m, >= 0: s
   double end = std::numeric_limits<double>::infinity();  ///< m, > 0
 
   [[nodiscard]] double tangent(double overlap) const {
@@ -66,8 +66,8 @@ struct ContactHistory {
   double distance = 0;  ///< m, of the centre from the shell on that side when last looked at, < 0 beyond
 };
 
-/// One moment of a contact whose potential is the spring's energy at an overlap D. `normal` is a unit vector from the
-/// other body towards the particle.
+/// One moment of a contact whose potential is the spring's energy at an overlap D. `normal` is a unit vector
+/// from the other body towards the particle.
 struct ContactKinematics {
   double overlap = 0;  ///< m, D > 0, after the offset is taken off
   Vec3 normal{0, 0, 1};
@@ -120,10 +120,10 @@ inline double friction_coefficient(const FrictionLaw& law, double speed) {
          (law.static_coefficient - law.dynamic_coefficient) * std::exp(-law.decay * speed);
 }
 
-/// Along D: P = max(0, F(D) + c D'), c = 2 zeta sqrt(F'(D) m), and the particle feels -P grad D. No adhesion: the
-/// dashpot can take the spring's force away but never pull. Tangential: spring and dashpot against the slip
-/// since touch, cut at mu(v) N, N = P |grad D|; the spring follows the cut, so that reversal starts from a
-/// loaded spring. The spring is turned into the present tangent plane.
+/// Along D: P = max(0, F(D) + c D'), c = 2 zeta sqrt(F'(D) m), and the particle feels -P grad D. No adhesion:
+/// the dashpot can take the spring's force away but never pull. Tangential: spring and dashpot against the
+/// slip since touch, cut at mu(v) N, N = P |grad D|; the spring follows the cut, so that reversal starts from
+/// a loaded spring. The spring is turned into the present tangent plane.
 ///
 /// Work is booked over the displacement that led here, v dt with the velocity half a step ago, under the mean
 /// of the forces before and after it. Summed over the steps of a contact that is the work which leapfrog's

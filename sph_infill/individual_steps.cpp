@@ -17,9 +17,9 @@ namespace {
 /// (Saitoh & Makino 2009, ApJ 697, L99: 4).
 constexpr int largest_ratio = 4;
 
-/// Each group's value and those of its neighbours: the smallest. Pairs are symmetric, so groups may hand their
-/// values to their neighbours instead of asking them; and those above `largest`, most of a bed, need not.
-/// Each thread has values of its own, and the smallest does not depend on who finds it.
+/// Each group's value and those of its neighbours: the smallest. Pairs are symmetric, so groups may hand
+/// their values to their neighbours instead of asking them; and those above `largest`, most of a bed, need
+/// not. Each thread has values of its own, and the smallest does not depend on who finds it.
 std::vector<std::uint8_t> smallest_around(const NeighbourList& list, const std::vector<std::uint8_t>& values,
                                           std::uint8_t largest) {
   std::vector<std::uint8_t> smallest = values;
@@ -200,7 +200,9 @@ void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
   in_step_ = phase_ % cycle_ == 0;
   since_wanted_ = in_step_ && energy_wanted ? 0 : since_wanted_ + 1;
   kicked_particles_ = 0;
-  const auto is_due = [this](std::uint8_t pace) { return in_step_ || (phase_ & (pace - 1U)) == 0; };  // powers of two
+  const auto is_due = [this](std::uint8_t pace) {
+    return in_step_ || (phase_ & (pace - 1U)) == 0;
+  };  // powers of two
   for (std::size_t g = 0; g < groups(); ++g)
     due_[g] =
         static_cast<std::uint8_t>((is_due(pace_[g]) ? strained : 0) | (is_due(period_[g]) ? kicked : 0));

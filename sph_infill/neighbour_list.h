@@ -69,8 +69,8 @@ class NeighbourList {
   /// Lists all pairs closer than support + skin.
   void build(const Vec3Array& positions);
 
-  /// From the next build on the places that rows were made for are kept, so that `renew` may follow, and which groups are
-  /// near each other; some 50 bytes a particle.
+  /// From the next build on the places that rows were made for are kept, so that `renew` may follow, and
+  /// which groups are near each other; some 50 bytes a particle.
   void keep_places() { keeps_places_ = true; }
   [[nodiscard]] const Vec3Array& places() const { return places_; }
   struct Renewal {
@@ -108,8 +108,8 @@ class NeighbourList {
     const std::size_t k = g % groups_per_block;
     return {block.entries.data() + block.begin[k], (block.begin[k + 1] - block.begin[k]) / group_size};
   }
-  /// Where places are kept: groups with a pair with one of this group, ascending; the group itself may be one. Pairs that
-  /// are separated count.
+  /// Where places are kept: groups with a pair with one of this group, ascending; the group itself may be
+  /// one. Pairs that are separated count.
   [[nodiscard]] std::span<const Index> groups_near(std::size_t g) const {
     const Block& block = blocks_[g / groups_per_block];
     const std::size_t k = g % groups_per_block;
@@ -131,29 +131,37 @@ class NeighbourList {
   struct Scratch;
   struct GroupPositions;
   struct Box {
-    std::array<double, 3> low, high;  ///< m; low > high: of nothing
+    std::array<double, 3> low, high;  ///< m
+    /// Of nothing.
+    Box() {
+      low.fill(std::numeric_limits<double>::infinity()), high.fill(-std::numeric_limits<double>::infinity());
+    }
+    [[nodiscard]] bool is_empty() const { return low[0] > high[0]; }
     [[nodiscard]] double extent(std::size_t d) const { return high[d] - low[d]; }
     [[nodiscard]] double middle(std::size_t d) const { return 0.5 * (low[d] + high[d]); }
+    void include(const std::array<double, 3>& point);
   };
-  struct CellEntry {
-    std::uint32_t cell;
-    Index group;
+  /// Particles of a group, one after the other, which lie together; those left out are not in its box.
+  /// Searches go by runs: most groups are one, what has been scattered is several.
+  struct Run {
+    Box box;
+    std::size_t begin, end;
   };
 
-  void size_cells();
+  void size_cells(std::size_t particles);
   void sort_into_cells(const Vec3Array& positions);
-  void choose_compact_extent(std::span<const Box> boxes);
-  [[nodiscard]] bool is_compact(const Box& box) const;
+  void choose_run_extent(const Vec3Array& positions);
+  /// The longest from a particle on whose box is no larger than `extent` (m).
+  [[nodiscard]] Run run_from(const Vec3Array& positions, std::size_t begin,
+                             const std::array<double, 3>& extent) const;
   [[nodiscard]] std::array<std::size_t, 3> cell_of(double x, double y, double z) const;
-  /// Of those that are not left out.
-  [[nodiscard]] Box box_of(const Vec3Array& positions, std::size_t begin, std::size_t end) const;
   [[nodiscard]] unsigned present_in(std::size_t group) const;  ///< a bit a lane
   void add_candidates(const Box& box, Scratch& scratch) const;
   /// chosen: by group, those whose rows are made; null: all.
   void make_rows(const Vec3Array& positions, std::size_t block, const std::uint8_t* chosen = nullptr);
   void find_rows(const Vec3Array& positions, std::size_t group, Scratch& scratch) const;
-  void find_rows_together(const Vec3Array& positions, std::size_t group, const Box& box, Scratch& scratch) const;
-  void find_rows_apart(const Vec3Array& positions, std::size_t group, Scratch& scratch) const;
+  void find_rows_of(const Run& run, const Vec3Array& positions, std::span<const Index> candidates,
+                    Scratch& scratch) const;
   void drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const;
   static void lay_side_by_side(std::size_t begin, std::size_t end, Scratch& scratch);
 
@@ -162,13 +170,10 @@ class NeighbourList {
   std::array<double, 3> box_low_{}, box_high_{};
   std::array<double, 3> low_{};  ///< of the cells
   std::array<std::size_t, 3> cells_{1, 1, 1};
-  /// m; groups no larger are found by the middle of their box, others by each of their particles.
-  std::array<double, 3> compact_extent_{};
-  std::array<double, 3> half_extent_{};    ///< m, half of the largest that are found by their middle
-  std::vector<std::uint32_t> cell_begin_;  ///< groups of a cell in cell order; z runs fastest
-  std::vector<Index> cell_group_;
-  std::vector<Box> boxes_;               ///< scratch of `sort_into_cells`
-  std::vector<CellEntry> cell_entries_;  ///< likewise
+  std::array<double, 3> run_extent_{};     ///< m, of runs at most
+  std::array<double, 3> half_extent_{};    ///< m, half of the largest run
+  std::vector<std::uint32_t> cell_begin_;  ///< runs of a cell in cell order; z runs fastest
+  std::vector<Index> cell_group_;          ///< of each run
   [[nodiscard]] bool is_left_out(std::size_t i) const { return !left_out_.empty() && left_out_[i] != 0; }
 
   SeparatedPairs separated_;

@@ -1,9 +1,9 @@
 /// NeighbourList: how rows are made.
 ///
-/// Groups are what is looked for: where the particles of eight consecutive indices lie together, they are found at
-/// once, and their positions are loaded side by side. A row's distances to eight candidates are taken by vectors, and
-/// which of them are neighbours is a number of eight bits, by which a table says what is to be written: no branch
-/// depends on a distance.
+/// Groups are what is looked for: particles of eight consecutive indices mostly lie together, are found at
+/// once, and their positions are loaded side by side. A row's distances to eight candidates are taken by
+/// vectors, and which of them are neighbours is a number of eight bits, by which a table says what is to be
+/// written: no branch depends on a distance.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -23,8 +23,8 @@ struct IndexWord {
   std::uint64_t bits = 0;
 };
 
-/// A set of groups. Those near each other have near numbers, so that few words hold many: sorting words is far quicker
-/// than sorting groups.
+/// A set of groups. Those near each other have near numbers, so that few words hold many: sorting words is
+/// far quicker than sorting groups.
 class GroupSet {
  public:
   void add(Index group) {
@@ -95,7 +95,8 @@ using Coordinates = std::array<Pack, 3>;
 }
 
 /// From a box, 0 inside.
-[[nodiscard, gnu::always_inline]] inline Pack squared_distance(const Coordinates& low, const Coordinates& high,
+[[nodiscard, gnu::always_inline]] inline Pack squared_distance(const Coordinates& low,
+                                                               const Coordinates& high,
                                                                const Coordinates& points) {
   Pack squared = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -129,9 +130,11 @@ struct NeighbourList::GroupPositions {
   }
   /// Bit l: whether that of particle l is below `reach_squared`.
   template <class SquaredDistance>
-  [[nodiscard, gnu::always_inline]] inline unsigned near(double reach_squared, SquaredDistance&& distance) const {
+  [[nodiscard, gnu::always_inline]] inline unsigned near(double reach_squared,
+                                                         SquaredDistance&& distance) const {
     unsigned bits = 0;
-    for (std::size_t k = 0; k < packs; ++k) bits |= lanes_below(distance(at[k]), reach_squared) << (k * lanes);
+    for (std::size_t k = 0; k < packs; ++k)
+      bits |= lanes_below(distance(at[k]), reach_squared) << (k * lanes);
     return bits;
   }
 };
@@ -139,40 +142,24 @@ struct NeighbourList::GroupPositions {
 /// What one thread needs to make rows.
 struct NeighbourList::Scratch {
   GroupSet found;
-  std::vector<Index> candidates;    ///< groups, ascending
+  std::vector<Run> runs;            ///< of a group
+  std::vector<Index> candidates;    ///< groups, ascending; of run after run
   std::vector<std::uint32_t> rows;  ///< places, row after row, `stride` apart, with room behind each
   std::size_t stride = 0;
   std::array<std::size_t, group_size> length{};
   std::vector<RowEntry> entries;  ///< of a block
   std::vector<Index> near;        ///< likewise, groups with which a group has pairs
 
-  /// Where rows end that are still empty.
-  [[nodiscard]] RowEnds make_room(std::size_t most_candidates) {
+  void make_room(std::size_t most_candidates) {
     stride = (most_candidates + 1) * group_size;
     if (rows.size() < stride * group_size) rows.resize(stride * group_size);
-    RowEnds ends;
-    for (std::size_t l = 0; l < group_size; ++l) ends[l] = &rows[l * stride];
-    return ends;
-  }
-  void note_lengths(const RowEnds& ends) {
-    for (std::size_t l = 0; l < group_size; ++l)
-      length[l] = static_cast<std::size_t>(ends[l] - &rows[l * stride]);
+    length.fill(0);
   }
 };
 
-NeighbourList::Box NeighbourList::box_of(const Vec3Array& positions, std::size_t begin, std::size_t end) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (std::size_t i = begin; i < end; ++i) {
-    if (is_left_out(i)) continue;
-    const std::array<double, 3> x{positions.x[i], positions.y[i], positions.z[i]};
-    for (std::size_t d = 0; d < 3; ++d) box.low[d] = std::min(box.low[d], x[d]), box.high[d] = std::max(box.high[d], x[d]);
-  }
-  return box;
-}
-
 /// Adds the groups of which a particle may be within `reach_` of the box.
 void NeighbourList::add_candidates(const Box& box, Scratch& scratch) const {
+  if (box.is_empty()) return;
   std::array<double, 3> low, high;
   for (std::size_t d = 0; d < 3; ++d) {
     const double margin = reach_ + 0.5 * skin_ + half_extent_[d];
@@ -191,87 +178,71 @@ unsigned NeighbourList::present_in(std::size_t group) const {
   unsigned bits = (1U << group_size) - 1;
   if (left_out_.empty()) return bits;
   for (std::size_t l = 0; l < group_size; ++l)
-    if (const std::size_t i = group * group_size + l; i < left_out_.size() && is_left_out(i)) bits &= ~(1U << l);
+    if (const std::size_t i = group * group_size + l; i < left_out_.size() && is_left_out(i))
+      bits &= ~(1U << l);
   return bits;
 }
 
-void NeighbourList::find_rows_together(const Vec3Array& positions, std::size_t group, const Box& box,
-                                       Scratch& scratch) const {
-  const std::size_t begin = group * group_size, count = std::min(positions.size() - begin, group_size);
-  add_candidates(box, scratch);
-  scratch.found.take_sorted(scratch.candidates);
-  RowEnds ends = scratch.make_room(scratch.candidates.size());
+void NeighbourList::find_rows_of(const Run& run, const Vec3Array& positions,
+                                 std::span<const Index> candidates, Scratch& scratch) const {
+  const std::size_t group = run.begin / group_size, first = run.begin % group_size,
+                    count = run.end - run.begin;
+  RowEnds ends{};
   std::array<Coordinates, group_size> own;
-  for (std::size_t l = 0; l < count; ++l) own[l] = everywhere(positions[begin + l]);
-  const Coordinates low = everywhere({box.low[0], box.low[1], box.low[2]}),
-                    high = everywhere({box.high[0], box.high[1], box.high[2]});
+  for (std::size_t l = 0; l < count; ++l) {
+    ends[l] = &scratch.rows[(first + l) * scratch.stride];
+    own[l] = everywhere(positions[run.begin + l]);
+  }
+  const Coordinates low = everywhere({run.box.low[0], run.box.low[1], run.box.low[2]}),
+                    high = everywhere({run.box.high[0], run.box.high[1], run.box.high[2]});
   const double reach_squared = reach_ * reach_;
-  const unsigned present = present_in(group);
-  for (const Index candidate : scratch.candidates) {
+  const unsigned present = present_in(group) >> first;
+  for (const Index candidate : candidates) {
     const auto other = static_cast<std::size_t>(candidate);
     const GroupPositions theirs(positions, other);
-    unsigned listed = theirs.near(reach_squared, [&](const Coordinates& points) {
-      return squared_distance(low, high, points);
-    });
+    unsigned listed = theirs.near(
+        reach_squared, [&](const Coordinates& points) { return squared_distance(low, high, points); });
     listed &= present_in(other);
     if (listed == 0) continue;
     const Places places = places_of_group(other);
-    const unsigned itself = other == group ? 1 : 0;
+    const unsigned itself = other == group ? 1U << first : 0;
     unsigned any_near = 0;
     for (std::size_t l = 0; l < count; ++l) {
-      unsigned near = theirs.near(reach_squared, [&](const Coordinates& points) {
-        return squared_distance(own[l], points);
-      });
+      unsigned near = theirs.near(
+          reach_squared, [&](const Coordinates& points) { return squared_distance(own[l], points); });
       near &= (present >> l & 1U) != 0 ? listed & ~(itself << l) : 0;
       any_near |= near;
       append(ends[l], places, near);
     }
     if (any_near != 0) scratch.near.push_back(candidate);
   }
-  scratch.note_lengths(ends);
-}
-
-/// What is near one is not near the others.
-void NeighbourList::find_rows_apart(const Vec3Array& positions, std::size_t group, Scratch& scratch) const {
-  const std::size_t begin = group * group_size, count = std::min(positions.size() - begin, group_size);
-  std::array<std::size_t, group_size + 1> first{};  // candidate of each lane
-  std::size_t most = 0;
-  for (std::size_t l = 0; l < count; ++l) {
-    const std::size_t i = begin + l;
-    if (!is_left_out(i)) add_candidates(box_of(positions, i, i + 1), scratch);  // which has no row
-    scratch.found.take_sorted(scratch.candidates);
-    first[l + 1] = scratch.candidates.size();
-    most = std::max(most, first[l + 1] - first[l]);
-  }
-  RowEnds ends = scratch.make_room(most);
-  const auto near_begin = static_cast<std::ptrdiff_t>(scratch.near.size());
-  for (std::size_t l = 0; l < count; ++l) {
-    const Coordinates own = everywhere(positions[begin + l]);
-    for (std::size_t k = first[l]; k < first[l + 1]; ++k) {
-      const auto other = static_cast<std::size_t>(scratch.candidates[k]);
-      unsigned near = GroupPositions(positions, other).near(reach_ * reach_, [&](const Coordinates& points) {
-        return squared_distance(own, points);
-      });
-      if (other == group) near &= ~(1U << l);
-      near &= present_in(other);
-      if (near != 0) scratch.near.push_back(scratch.candidates[k]);
-      append(ends[l], places_of_group(other), near);
-    }
-  }
-  std::sort(scratch.near.begin() + near_begin, scratch.near.end());
-  scratch.near.erase(std::unique(scratch.near.begin() + near_begin, scratch.near.end()), scratch.near.end());
-  scratch.note_lengths(ends);
+  for (std::size_t l = 0; l < count; ++l)
+    scratch.length[first + l] =
+        static_cast<std::size_t>(ends[l] - &scratch.rows[(first + l) * scratch.stride]);
 }
 
 /// Rows of the group, one behind the other.
 void NeighbourList::find_rows(const Vec3Array& positions, std::size_t group, Scratch& scratch) const {
   const std::size_t begin = group * group_size, end = std::min(positions.size(), begin + group_size);
-  scratch.candidates.clear();
-  const Box box = box_of(positions, begin, end);
-  if (is_compact(box))
-    find_rows_together(positions, group, box, scratch);
-  else
-    find_rows_apart(positions, group, scratch);
+  scratch.candidates.clear(), scratch.runs.clear();
+  std::array<std::size_t, group_size + 1> first{};  // candidate of each run
+  std::size_t most = 0;
+  for (std::size_t i = begin; i < end; i = scratch.runs.back().end) {
+    scratch.runs.push_back(run_from(positions, i, run_extent_));
+    add_candidates(scratch.runs.back().box, scratch);
+    scratch.found.take_sorted(scratch.candidates);
+    const std::size_t r = scratch.runs.size();
+    first[r] = scratch.candidates.size();
+    most = std::max(most, first[r] - first[r - 1]);
+  }
+  scratch.make_room(most);
+  const auto near_begin = static_cast<std::ptrdiff_t>(scratch.near.size());
+  for (std::size_t r = 0; r < scratch.runs.size(); ++r)
+    find_rows_of(scratch.runs[r], positions,
+                 std::span(scratch.candidates).subspan(first[r], first[r + 1] - first[r]), scratch);
+  if (scratch.runs.size() == 1) return;
+  std::sort(scratch.near.begin() + near_begin, scratch.near.end());
+  scratch.near.erase(std::unique(scratch.near.begin() + near_begin, scratch.near.end()), scratch.near.end());
 }
 
 void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const {
@@ -287,12 +258,14 @@ void NeighbourList::drop_separated(std::size_t begin, std::size_t end, Scratch& 
   }
 }
 
-/// Lays the rows of a group side by side behind those of the block, shorter ones ended with the particle itself.
+/// Lays the rows of a group side by side behind those of the block, shorter ones ended with the particle
+/// itself.
 void NeighbourList::lay_side_by_side(std::size_t begin, std::size_t end, Scratch& scratch) {
   const std::size_t longest = *std::max_element(scratch.length.begin(), scratch.length.end());
   for (std::size_t l = 0; l < group_size; ++l) {
     const auto own = static_cast<std::uint32_t>(RowEntry::places * std::min(begin + l, end - 1));
-    std::fill(&scratch.rows[l * scratch.stride + scratch.length[l]], &scratch.rows[l * scratch.stride + longest], own);
+    std::fill(&scratch.rows[l * scratch.stride + scratch.length[l]],
+              &scratch.rows[l * scratch.stride + longest], own);
   }
   const std::size_t before = scratch.entries.size();
   scratch.entries.resize(before + longest * group_size);
@@ -309,12 +282,15 @@ void NeighbourList::make_rows(const Vec3Array& positions, std::size_t b, const s
   scratch.entries.clear(), scratch.near.clear();
   std::uint32_t before = 0, near_before = 0;  // where the group's rows began
   for (std::size_t k = 0; k < groups_per_block; ++k) {
-    const std::size_t g = b * groups_per_block + k, begin = g * group_size, end = std::min(n, begin + group_size);
+    const std::size_t g = b * groups_per_block + k, begin = g * group_size,
+                      end = std::min(n, begin + group_size);
     const std::uint32_t first = std::exchange(before, block.begin[k + 1]),
                         near_first = std::exchange(near_before, block.near_begin[k + 1]);
     if (begin < n && chosen && chosen[g] == 0) {
-      scratch.entries.insert(scratch.entries.end(), block.entries.begin() + first, block.entries.begin() + before);
-      scratch.near.insert(scratch.near.end(), block.near.begin() + near_first, block.near.begin() + near_before);
+      scratch.entries.insert(scratch.entries.end(), block.entries.begin() + first,
+                             block.entries.begin() + before);
+      scratch.near.insert(scratch.near.end(), block.near.begin() + near_first,
+                          block.near.begin() + near_before);
     } else if (begin < n) {
       find_rows(positions, g, scratch);
       if (!separated_.empty()) drop_separated(begin, end, scratch);

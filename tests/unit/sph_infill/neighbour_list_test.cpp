@@ -34,14 +34,16 @@ Vec3Array rows_of_points(std::size_t along, double pitch, unsigned seed) {
   for (std::size_t x = 0; x < along; ++x)
     for (std::size_t z = 0; z < along; ++z)
       for (std::size_t y = 0; y < along; ++y)
-        points.push_back({static_cast<double>(x) * pitch + any(random), static_cast<double>(y) * pitch + any(random),
+        points.push_back({static_cast<double>(x) * pitch + any(random),
+                          static_cast<double>(y) * pitch + any(random),
                           static_cast<double>(z) * pitch + any(random)});
   return points;
 }
 
 TEST(NeighbourList, HoldsExactlyThePairsWithinReachWhereGroupsLieTogether) {
   Vec3Array points = rows_of_points(13, 0.1, 17);  // 13: groups run on from row to row
-  for (std::size_t i = 3; i < points.size(); i += 29) points.set(i, {0.6, 0.5, 1.5 + 1e-3 * static_cast<double>(i)});
+  for (std::size_t i = 3; i < points.size(); i += 29)
+    points.set(i, {0.6, 0.5, 1.5 + 1e-3 * static_cast<double>(i)});
   NeighbourList list(points, 0.23, 0.03);
   list.keep_places();
   list.leave_out(40, points.size());
@@ -105,7 +107,8 @@ void expect_near_groups_of_rows(const Vec3Array& points, double support) {
   for (std::size_t g = 0; g < points.size() / group_size; ++g) {
     std::vector<Index> near;
     for (std::size_t i = g * group_size; i < (g + 1) * group_size; ++i)
-      for (const Index j : list.row(i)) near.push_back(static_cast<Index>(static_cast<std::size_t>(j) / group_size));
+      for (const Index j : list.row(i))
+        near.push_back(static_cast<Index>(static_cast<std::size_t>(j) / group_size));
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
     EXPECT_TRUE(std::ranges::equal(list.groups_near(g), near)) << "group " << g;
