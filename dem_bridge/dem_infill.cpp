@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/lane_math.h"
 #include "dem_bridge/dem_contacts.h"
 #include "dem_bridge/dem_infill_impl.h"
 #include "dem_bridge/grain_contact.h"
@@ -87,34 +89,35 @@ void DemInfill::Impl::write_loads(const ContactImpulses& contact) {
     if (component->size() != count)
       throw_run_error("DEM infill at t = {:.9g} s: {} contact impulses for {} grains", time,
                       component->size(), count);
-  const double *const x = contact.linear.x.data(), *const y = contact.linear.y.data(),
-                      *const z = contact.linear.z.data(), *const ax = contact.angular.x.data(),
-                      *const ay = contact.angular.y.data(), *const az = contact.angular.z.data();
-  constexpr std::size_t together = 32;  // grains that are looked at at once
+  std::array<const double*, 6> of;
+  for (std::size_t c = 0; c < of.size(); ++c) of[c] = components[c]->data();
   LoadRecord* record = memory().load_room().data();
-  double poison = 0;  // 0, or not a number for what is not finite
-  for (std::size_t first = 0; first < count; first += together) {
-    const std::size_t end = std::min(count, first + together);
-    double some = 0;  // above 0 where there is a load
-#pragma omp simd reduction(+ : some, poison)
-    for (std::size_t i = first; i < end; ++i) {
-      const double linear = std::abs(x[i]) + std::abs(y[i]) + std::abs(z[i]),
-                   angular = std::abs(ax[i]) + std::abs(ay[i]) + std::abs(az[i]);
-      some += linear + angular;
-      poison += (linear - linear) + (angular - angular);
-    }
-    if (some == 0) continue;
-    for (std::size_t i = first; i < end; ++i)
-      if (x[i] != 0 || y[i] != 0 || z[i] != 0 || ax[i] != 0 || ay[i] != 0 || az[i] != 0)
-        *record++ = {i, {x[i], y[i], z[i]}, {ax[i], ay[i], az[i]}};
+  const auto note = [&](std::size_t i) {
+    *record++ = {i, {of[0][i], of[1][i], of[2][i]}, {of[3][i], of[4][i], of[5][i]}};
+  };
+  Pack poison_lanes = 0;  // 0, or not a number for what is not finite
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    Pack size = 0;
+    for (const double* component : of) size += abs(Pack(component + i, stdx::element_aligned));
+    poison_lanes += size - size;
+    for (unsigned touched = lanes_below(-size, 0); touched != 0; touched &= touched - 1)
+      note(i + static_cast<std::size_t>(std::countr_zero(touched)));
+  }
+  double poison = sum_lanes(poison_lanes);
+  for (; i < count; ++i) {
+    double size = 0;
+    for (const double* component : of) size += std::abs(component[i]);
+    poison += size - size;
+    if (size > 0) note(i);
   }
   shared().loads = static_cast<std::uint64_t>(record - memory().load_room().data());
   if (poison == 0) return;
   for (std::size_t c = 0; c < components.size(); ++c)
-    for (std::size_t i = 0; i < count; ++i)
-      if (!std::isfinite((*components[c])[i]))
+    for (std::size_t k = 0; k < count; ++k)
+      if (!std::isfinite(of[c][k]))
         throw_run_error("DEM infill at t = {:.9g} s: the {} contact impulse of grain {} is {}", time,
-                        c < 3 ? "linear" : "angular", i, (*components[c])[i]);
+                        c < 3 ? "linear" : "angular", k, of[c][k]);
 }
 
 /// A grain that moves on by more than its radius in a step can pass through what it should meet, unseen by
@@ -153,8 +156,8 @@ const GrainBody* DemInfill::Impl::body_of(std::size_t grain) const {
 
 void DemInfill::Impl::take_report(AdvanceReport& report) {
   HostSums& s = sums;
-  s.kinetic = s.last_pair_work = s.last_contact_work = s.last_damping_work = 0;
-  double pair_work = 0, contact_work = 0, damping_work = 0, run_seconds = 0;
+  s.last_pair_work = s.last_contact_work = s.last_damping_work = 0;
+  double kinetic = 0, pair_work = 0, contact_work = 0, damping_work = 0, run_seconds = 0;
   const std::uint64_t gone = expelled.grains;
   for (std::size_t r = 0; r < memory().ranks(); ++r) {
     const RankState& rank = memory().rank(r);
@@ -166,13 +169,14 @@ void DemInfill::Impl::take_report(AdvanceReport& report) {
     s.last_pair_work += rank.last_pair_work;
     s.last_contact_work += rank.last_contact_work;
     s.last_damping_work += rank.last_damping_work;
-    s.kinetic += rank.kinetic;
+    kinetic += rank.kinetic;
     run_seconds = std::max(run_seconds, rank.run_seconds);
     expelled.grains += rank.expelled;
     expelled.mass += rank.expelled_mass;
     for (std::size_t c = 0; c < 3; ++c) expelled.momentum[c] += rank.expelled_momentum[c];
     expelled.pending += rank.expelled_energy;
   }
+  if (shared().energy_wanted != EnergyWanted::none) s.kinetic = kinetic;
   s.pair_work += pair_work;
   s.contact_work += contact_work;
   s.damping_work += damping_work;
@@ -235,7 +239,7 @@ double DemInfill::stable_step() const {
 }
 
 void DemInfill::begin_window(double, int, bool energy_wanted) {
-  impl_->energy_wanted = energy_wanted;
+  impl_->energy_wanted = energy_wanted ? EnergyWanted::all : EnergyWanted::none;
 }
 
 AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpulses& contact) {
@@ -249,7 +253,7 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   shared.step = window / substeps;
   shared.substeps = substeps;
   shared.damping = my.damping;
-  shared.energy_wanted = my.energy_wanted ? 1 : 0;
+  shared.energy_wanted = my.energy_wanted;
   my.ask(Request::advance);
   my.check_count();
   my.expelled.energy += std::exchange(my.expelled.pending, 0);
@@ -257,7 +261,7 @@ AdvanceReport DemInfill::advance(double window, int substeps, const ContactImpul
   report.substeps = substeps;
   my.take_report(report);
   my.started = true;
-  my.stored_is_current = std::exchange(my.energy_wanted, false);
+  my.stored_is_current = std::exchange(my.energy_wanted, EnergyWanted::kinetic) == EnergyWanted::all;
   my.time += window;
   if (my.stored_is_current) {
     my.sum_stored();

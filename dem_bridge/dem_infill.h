@@ -95,7 +95,8 @@ class DemInfill final : public Infill {
   /// step. In a window that was announced with energy_wanted it is made at the last kick, and all energies
   /// are of that moment. Otherwise it is made on this call, with springs stretched as they are one step
   /// later: off by the springs' forces times the slip of a step, to and fro, and `dissipated` adds up what is
-  /// off upwards.
+  /// off upwards. Kinetic energy is not summed in a window that was announced without energy_wanted: it stays
+  /// that of the last one in which it was.
   [[nodiscard]] InfillEnergy energy() const override;
   /// Looked for at the end of every window. A grain so fast that it passes expulsion_margin in one is lost to
   /// LIGGGHTS (RunError).

@@ -49,10 +49,10 @@ struct DemInfill::Impl {
 
   std::unique_ptr<HostLink> host;
   bool started = false;
-  bool energy_wanted = false;      // of the coming window
-  bool stored_is_current = false;  // the host has stored energy at the last kick
-  double time = 0;                 // s, end of the last window
-  double damping = 0;              // 1/s
+  EnergyWanted energy_wanted = EnergyWanted::kinetic;  // of the coming window
+  bool stored_is_current = false;                      // the host has stored energy at the last kick
+  double time = 0;                                     // s, end of the last window
+  double damping = 0;                                  // 1/s
   double initial_stored = 0;
   double missing =
       0;  // J, energy that left the motion of the grains and is not stored, at the last `energy()`

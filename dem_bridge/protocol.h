@@ -14,7 +14,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 7;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 8;                 ///< raise with every change of this file
 
 /// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
 /// forces when that calls it.
@@ -95,6 +95,8 @@ struct LoadRecord {
   std::array<double, 3> angular{};  ///< N m s about its centre
 };
 
+enum class EnergyWanted : std::int64_t { none, kinetic, all };  ///< all: `stored_energy`, too
+
 /// Fixed part of the shared memory, written by the driver. Plain data; the two ends take turns (request,
 /// answer).
 struct SharedState {
@@ -103,14 +105,14 @@ struct SharedState {
   std::uint64_t grains = 0;
   std::uint64_t ranks = 1;
 
-  double step = 0;                              ///< s, of one substep
-  std::int64_t substeps = 0;                    ///< of the window
-  double damping = 0;                           ///< 1/s
-  std::int64_t energy_wanted = 0;               ///< 1: `stored_energy` at the last kick of the window
-  std::array<double, 3> gravity{};              ///< m/s^2
-  std::array<double, 3> box_low{}, box_high{};  ///< m; grains whose centre leaves it are expelled
-  std::uint64_t expelled = 0;                   ///< grains that have left so far; a clump counts once
-  std::uint64_t loads = 0;                      ///< LoadRecords of the window
+  double step = 0;                                     ///< s, of one substep
+  std::int64_t substeps = 0;                           ///< of the window
+  double damping = 0;                                  ///< 1/s
+  EnergyWanted energy_wanted = EnergyWanted::kinetic;  ///< at the last kick of the window
+  std::array<double, 3> gravity{};                     ///< m/s^2
+  std::array<double, 3> box_low{}, box_high{};         ///< m; grains whose centre leaves it are expelled
+  std::uint64_t expelled = 0;                          ///< grains that have left so far; a clump counts once
+  std::uint64_t loads = 0;                             ///< LoadRecords of the window
 };
 
 /// What one rank tells of its grains: written by that rank alone.

@@ -1,7 +1,6 @@
 #include "sph_infill/neighbour_list.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>

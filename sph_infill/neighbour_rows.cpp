@@ -162,7 +162,8 @@ void NeighbourList::add_candidates(const Box& box, Scratch& scratch) const {
   if (box.is_empty()) return;
   std::array<double, 3> low, high;
   for (std::size_t d = 0; d < 3; ++d) {
-    const double margin = reach_ + 0.5 * skin_ + half_extent_[d];
+    // A little more, for rounding: a pair may be just within reach.
+    const double margin = (1 + 1e-9) * (reach_ + 0.5 * skin_ + half_extent_[d]);
     low[d] = box.low[d] - margin, high[d] = box.high[d] + margin;
   }
   const auto first = cell_of(low[0], low[1], low[2]), last = cell_of(high[0], high[1], high[2]);

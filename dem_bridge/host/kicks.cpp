@@ -43,8 +43,8 @@ void kick_one(const Kick& kick, std::size_t a, std::span<const LoadRecord> loads
     store3(f, grain.pair_force + done.added_force);
     store3(t, grain.pair_torque + done.added_torque);
   } else {
-    store3(v, done.middle + half / mass * done.added_force);
-    store3(w, done.middle_spin + half / grain.inertia * done.added_torque);
+    store3(v, done.middle + done.gain);
+    store3(w, done.middle_spin + done.spin_gain);
   }
   for (std::size_t c = 0; c < 3; ++c) {
     const double impulse = kick.step * load.contact_force[static_cast<Eigen::Index>(c)];
@@ -95,12 +95,14 @@ struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
 /// Contact forces and torques on the grains of a block.
 struct BlockLoads {
   BlockRows force, torque;
+  std::array<bool, kick_block_size / lanes> touched{};  ///< by pack: whether any of it is
 
   void read(std::span<const LoadRecord> loads, std::size_t first, double per_second) {
     force.clear();
     torque.clear();
     for (const LoadRecord& load : loads) {
       const std::size_t k = load.grain - first;
+      touched[k / lanes] = true;
       force.x[k] = per_second * load.impulse[0];
       force.y[k] = per_second * load.impulse[1];
       force.z[k] = per_second * load.impulse[2];
@@ -117,8 +119,8 @@ Pack3 absolute(const Pack3& a) {
 }
 
 /// As kick_one for the block of grains from `first` on, which lie in our order, as many at once as there are
-/// lanes. `loads`: of these grains.
-template <bool in_run, bool loaded>
+/// lanes. `loads`: of these grains. Those that free_kick is for take it: two divisions fewer, and no masses.
+template <bool in_run, bool loaded, bool with_kinetic>
 void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord> loads, KickSums& sums) {
   BlockRows v, w, f, t;
   v.read(kick.velocity + 3 * first);
@@ -132,13 +134,21 @@ void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord>
   const Pack3 gravity{kick.gravity.x(), kick.gravity.y(), kick.gravity.z()};
   Pack kinetic = 0.0, pair_work = 0.0, contact_work = 0.0, damping_work = 0.0;
   Pack3 received{none, none, none}, scale{none, none, none};
+  const bool may_be_free = !in_run && !with_kinetic && kick.damping == 0;
+  const Pack3 half_gravity{half * kick.gravity.x(), half * kick.gravity.y(), half * kick.gravity.z()};
   for (std::size_t k = 0; k < kick_block_size; k += lanes) {
+    if (may_be_free && !block_loads.touched[k / lanes]) {
+      const auto done = free_kick(v.pack(k), w.pack(k), f.pack(k), t.pack(k), half_gravity, Pack(kick.step));
+      v.set(k, done.velocity);
+      pair_work += done.pair_work;
+      continue;
+    }
     const Pack mass(kick.mass + first + k, stdx::element_aligned),
         radius(kick.radius + first + k, stdx::element_aligned);
     GrainStateOf<Pack3, Pack> grain{v.pack(k), w.pack(k), f.pack(k),
                                     t.pack(k), mass,      0.4 * mass * radius * radius};
-    const Pack of_force = half / mass, of_torque = half / grain.inertia;
     if constexpr (in_run) {
+      const Pack of_force = half / mass, of_torque = half / grain.inertia;
       grain.velocity = grain.velocity + of_force * grain.pair_force;
       grain.spin = grain.spin + of_torque * grain.pair_torque;
     }
@@ -154,10 +164,10 @@ void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord>
       f.set(k, grain.pair_force + done.added_force);
       t.set(k, grain.pair_torque + done.added_torque);
     } else {
-      v.set(k, done.middle + of_force * done.added_force);
-      w.set(k, done.middle_spin + of_torque * done.added_torque);
+      v.set(k, done.middle + done.gain);
+      w.set(k, done.middle_spin + done.spin_gain);
     }
-    kinetic += done.kinetic;
+    if constexpr (with_kinetic) kinetic += done.kinetic;
     pair_work += done.pair_work;
     contact_work += done.contact_work;
     damping_work += done.damping_work;
@@ -185,12 +195,12 @@ void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord>
 }
 
 /// The grains from `first` to before `end`, which lie in our order.
-template <bool in_run>
+template <bool in_run, bool with_kinetic>
 void kick_in_order(const Kick& kick, std::size_t first, std::size_t end, LoadCursor& cursor, KickSums& sums) {
   for (; first + kick_block_size <= end; first += kick_block_size) {
     const auto loads = cursor.of(first, first + kick_block_size);
-    loads.empty() ? kick_block<in_run, false>(kick, first, loads, sums)
-                  : kick_block<in_run, true>(kick, first, loads, sums);
+    loads.empty() ? kick_block<in_run, false, with_kinetic>(kick, first, loads, sums)
+                  : kick_block<in_run, true, with_kinetic>(kick, first, loads, sums);
   }
   for (; first < end; ++first) kick_one(kick, first, cursor.of(first, first + 1), sums);
 }
@@ -262,8 +272,11 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
     if (clumps->empty() && in_our_order()) {
       std::size_t first = 0;
       const auto kick_up_to = [&](std::size_t end) {
-        in_run ? kick_in_order<true>(kick, first, end, cursor, sums)
-               : kick_in_order<false>(kick, first, end, cursor, sums);
+        const bool with_kinetic = shared.energy_wanted != EnergyWanted::none;
+        const auto of_all = in_run ? with_kinetic ? kick_in_order<true, true> : kick_in_order<true, false>
+                            : with_kinetic ? kick_in_order<false, true>
+                                           : kick_in_order<false, false>;
+        of_all(kick, first, end, cursor, sums);
         first = end + 1;
       };
       for (const auto& [i, left] : parked) kick_up_to(i);
@@ -281,7 +294,8 @@ void LiggghtsEngine::Impl::kick(bool in_run) {
     report.impulse_received[c] += sums.received[c];
     report.impulse_scale[c] += sums.scale[c];
   }
-  if (shared.energy_wanted != 0 && (in_run ? substep : 0) == shared.substeps - 1) note_stored_energy();
+  if (shared.energy_wanted == EnergyWanted::all && (in_run ? substep : 0) == shared.substeps - 1)
+    note_stored_energy();
   report.kinetic = sums.kinetic;
   report.pair_work += report.last_pair_work = sums.pair_work;
   report.contact_work += report.last_contact_work = sums.contact_work;

@@ -65,6 +65,33 @@ TEST_F(Kick, WithoutDampingNothingIsAddedBeyondContactAndGravity) {
   EXPECT_EQ(kick.damping_work, 0);
 }
 
+TEST_F(Kick, OfAGrainThatNothingElseTouchesIsTheFreeKickToTheLastBit) {
+  for (int trial = 0; trial < 50; ++trial) {
+    GrainLoad given = load(0);
+    given.contact_force = given.contact_torque = Vec3::Zero();
+    const GrainState state = grain(vector(1), vector(10), given.step);
+    const GrainKick whole = kick_grain(state, given);
+    const Vec3 gain = 0.5 * given.step * given.gravity;
+    const auto free =
+        free_kick(state.velocity, state.spin, state.pair_force, state.pair_torque, gain, given.step);
+    EXPECT_EQ(free.velocity, Vec3(whole.middle + whole.gain));
+    EXPECT_EQ(free.pair_work, whole.pair_work);
+    EXPECT_EQ(Vec3(whole.middle_spin + whole.spin_gain), state.spin);
+  }
+}
+
+TEST_F(Kick, GivesInTwoHalvesWhatIsAddedToTheForces) {
+  for (const double damping : {0.0, 1e5}) {
+    const GrainLoad given = load(damping);
+    const GrainState state = grain(vector(1), vector(10), given.step);
+    const GrainKick kick = kick_grain(state, given);
+    const double half = 0.5 * given.step;
+    EXPECT_LT((half / state.mass * kick.added_force - kick.gain).norm(), 1e-14);
+    EXPECT_LT((half / state.inertia * kick.added_torque - kick.spin_gain).norm(), 1e-12);
+    EXPECT_LT((state.velocity + kick.gain - kick.middle).norm(), 1e-14);
+  }
+}
+
 Pack3 of_lanes(const std::array<Vec3, lanes>& values) {
   const auto component = [&](Eigen::Index c) { return Pack([&](auto lane) { return values[lane][c]; }); };
   return {component(0), component(1), component(2)};

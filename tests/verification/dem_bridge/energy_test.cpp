@@ -135,6 +135,43 @@ TEST(InfillEnergy, OfAWindowOfThreeSubstepsIsThatOfThreeWindows) {
   EXPECT_NEAR(three.dissipated, one.dissipated, 1e-9 * one.dissipated);
 }
 
+/// Kicks leave out what only energies need: what moves must not notice, and the work of grains on each other
+/// is summed all the same.
+TEST(InfillEnergy, OfARunIsTheSameHoweverSeldomItIsWanted) {
+  struct Run {
+    std::vector<double> motion;
+    InfillEnergy energy;
+  };
+  const auto run = [](int every) {
+    const ShakenBlock block(6);
+    DemSettings settings = settings_in_box(0.05);
+    settings.gravity = {0, 0, -9.81};
+    DemInfill infill(block.grains, block.materials, settings);
+    block.shake(infill, 0.5);
+    const double window = 0.2 * infill.stable_step();
+    ContactImpulses contact = no_impulses(block.grains.size());
+    contact.linear.set(100, Vec3(1e-9, 0, 0));  // one of a block of grains that are kicked at once
+    for (int k = 1; k <= 60; ++k) {
+      infill.begin_window(window, 1, k % every == 0);
+      infill.advance(window, 1, contact);
+    }
+    const ParticleView p = infill.particles();
+    Run result;
+    for (const std::span<const double> values : {p.x, p.y, p.z, p.vx, p.vy, p.vz, p.wx, p.wy, p.wz})
+      result.motion.insert(result.motion.end(), values.begin(), values.end());
+    result.energy = infill.energy();
+    return result;
+  };
+  const Run always = run(1), seldom = run(30);
+  EXPECT_EQ(always.motion, seldom.motion);
+  EXPECT_GT(always.energy.kinetic, 0);
+  EXPECT_EQ(always.energy.kinetic, seldom.energy.kinetic);
+  EXPECT_EQ(always.energy.contact_work, seldom.energy.contact_work);
+  // dissipated adds up increases from one look to the next, which here are two and sixty
+  EXPECT_NEAR(always.energy.dissipated, seldom.energy.dissipated, 0.01 * always.energy.dissipated);
+  EXPECT_GT(always.energy.dissipated, 0.01 * always.energy.kinetic);
+}
+
 TEST(InfillEnergy, ContactWorkIsTheEnergyThatASpringGave) {
   Grains grains;
   add_grain(grains, Vec3(0.003, 0, 0), 0.001, 1150);
