@@ -72,11 +72,6 @@ struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
       z[k] = rows[3 * k + 2];
     }
   }
-  void clear() {
-    x.fill(0);
-    y.fill(0);
-    z.fill(0);
-  }
   void write(double* rows) const {
     for (std::size_t k = 0; k < kick_block_size; ++k) {
       rows[3 * k] = x[k];
@@ -94,15 +89,18 @@ struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
 
 /// Contact forces and torques on the grains of a block.
 struct BlockLoads {
-  BlockRows force, torque;
-  std::array<bool, kick_block_size / lanes> touched{};  ///< by pack: whether any of it is
+  BlockRows force, torque;                              ///< set in packs of which any grain is touched
+  std::array<bool, kick_block_size / lanes> touched{};  ///< by pack
 
   void read(std::span<const LoadRecord> loads, std::size_t first, double per_second) {
-    force.clear();
-    torque.clear();
     for (const LoadRecord& load : loads) {
-      const std::size_t k = load.grain - first;
-      touched[k / lanes] = true;
+      const std::size_t k = load.grain - first, pack = k / lanes;
+      if (!touched[pack]) {
+        const Pack none = 0.0;
+        force.set(pack * lanes, {none, none, none});
+        torque.set(pack * lanes, {none, none, none});
+        touched[pack] = true;
+      }
       force.x[k] = per_second * load.impulse[0];
       force.y[k] = per_second * load.impulse[1];
       force.z[k] = per_second * load.impulse[2];
@@ -153,7 +151,7 @@ void kick_block(const Kick& kick, std::size_t first, std::span<const LoadRecord>
       grain.spin = grain.spin + of_torque * grain.pair_torque;
     }
     GrainLoadOf<Pack3> load{{none, none, none}, {none, none, none}, gravity, kick.damping, kick.step};
-    if constexpr (loaded) {
+    if (loaded && block_loads.touched[k / lanes]) {
       load.contact_force = block_loads.force.pack(k);
       load.contact_torque = block_loads.torque.pack(k);
       received = received + load.contact_force;
