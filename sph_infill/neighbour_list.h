@@ -136,7 +136,10 @@ class NeighbourList {
     Box() {
       low.fill(std::numeric_limits<double>::infinity()), high.fill(-std::numeric_limits<double>::infinity());
     }
-    [[nodiscard]] bool is_empty() const { return low[0] > high[0]; }
+    /// Or of what is nowhere.
+    [[nodiscard]] bool is_empty() const {
+      return !(low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2]);
+    }
     [[nodiscard]] double extent(std::size_t d) const { return high[d] - low[d]; }
     [[nodiscard]] double middle(std::size_t d) const { return 0.5 * (low[d] + high[d]); }
     void include(const std::array<double, 3>& point);

@@ -196,13 +196,15 @@ void NeighbourList::find_rows_of(const Run& run, const Vec3Array& positions,
   }
   const Coordinates low = everywhere({run.box.low[0], run.box.low[1], run.box.low[2]}),
                     high = everywhere({run.box.high[0], run.box.high[1], run.box.high[2]});
-  const double reach_squared = reach_ * reach_;
+  // A box is no nearer than what is in it but for rounding: the cut must leave every pair to its own
+  // distance.
+  const double reach_squared = reach_ * reach_, box_squared = (1 + 1e-12) * reach_squared;
   const unsigned present = present_in(group) >> first;
   for (const Index candidate : candidates) {
     const auto other = static_cast<std::size_t>(candidate);
     const GroupPositions theirs(positions, other);
     unsigned listed = theirs.near(
-        reach_squared, [&](const Coordinates& points) { return squared_distance(low, high, points); });
+        box_squared, [&](const Coordinates& points) { return squared_distance(low, high, points); });
     listed &= present_in(other);
     if (listed == 0) continue;
     const Places places = places_of_group(other);

@@ -26,10 +26,10 @@ std::vector<Index> brute_force(const Vec3Array& points, std::size_t i, double re
   return row;
 }
 
-/// Rows of a lattice one after the other, thrown off it by up to a quarter: groups lie together.
-Vec3Array rows_of_points(std::size_t along, double pitch, unsigned seed) {
+/// Rows of a lattice one after the other, thrown off it by up to so many pitches: groups lie together.
+Vec3Array rows_of_points(std::size_t along, double pitch, unsigned seed, double thrown = 0.25) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> any(-0.25 * pitch, 0.25 * pitch);
+  std::uniform_real_distribution<double> any(-thrown * pitch, thrown * pitch);
   Vec3Array points;
   for (std::size_t x = 0; x < along; ++x)
     for (std::size_t z = 0; z < along; ++z)
@@ -54,6 +54,27 @@ TEST(NeighbourList, HoldsExactlyThePairsWithinReachWhereGroupsLieTogether) {
     if (i == 40) expected.clear();
     ASSERT_EQ(list.row(i), expected) << i;
   }
+}
+
+/// Distances that are the reach but for rounding, of particles found together and one by one.
+TEST(NeighbourList, HasEveryPairInBothRowsWhereDistancesAreTheReach) {
+  constexpr double pitch = 0.1;
+  Vec3Array points = rows_of_points(13, pitch, 0, 0);
+  std::mt19937_64 random(21);
+  for (std::size_t i = points.size() / 2; i < points.size(); ++i) {
+    std::uniform_int_distribution<std::size_t> other(points.size() / 2, points.size() - 1);
+    const std::size_t j = other(random);
+    const Vec3 here = points[i];
+    points.set(i, points[j]), points.set(j, here);
+  }
+  NeighbourList list(points, 2.8 * pitch, 3 * pitch - 2.8 * pitch);
+  list.build(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (const Index j : list.row(i)) {
+      const std::vector<Index> theirs = list.row(static_cast<std::size_t>(j));
+      EXPECT_TRUE(std::binary_search(theirs.begin(), theirs.end(), static_cast<Index>(i)))
+          << i << " and " << j;
+    }
 }
 
 /// By blocks, after particles have moved as far as they may since their groups were sorted into cells.
