@@ -81,14 +81,20 @@ std::unique_ptr<dem::DemInfill> build_dem(const Scene& scene, const std::vector<
   return std::make_unique<dem::DemInfill>(grains, scene.materials, settings);
 }
 
+std::vector<double> damping_ratios(const Scene& scene, const std::vector<EffectDecision>& effects) {
+  const bool damped = effect_on(effects, "contact_damping");
+  std::vector<double> ratios;
+  for (const Material& material : scene.materials)
+    ratios.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+  return ratios;
+}
+
 PointContact particle_contact(const Scene& scene, const std::vector<EffectDecision>& effects,
                               const ParticleView& particles) {
-  const bool with_rate = effect_on(effects, "friction_rate"), damped = effect_on(effects, "contact_damping");
+  const bool with_rate = effect_on(effects, "friction_rate");
   PointContact result;
   FoundOnce<double> known;
-  std::vector<double> damping_ratio;  // by material
-  for (const Material& material : scene.materials)
-    damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+  const std::vector<double> damping_ratio = damping_ratios(scene, effects);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Index m = particles.material[i];
     const Material& material = scene.materials[static_cast<std::size_t>(m)];

@@ -82,6 +82,10 @@ struct BuiltSimulation {
 [[nodiscard]] double dem_contact_stiffness(const Material& material, double radius);
 
 /// How particles meet shells and bodies, a value a particle.
+/// Of each material's contacts, [0, 1): of its restitution, 0 where `contact_damping` is off.
+[[nodiscard]] std::vector<double> damping_ratios(const Scene& scene,
+                                                 const std::vector<EffectDecision>& effects);
+
 struct PointContact {
   std::vector<double> stiffness;      ///< N/m, penalty
   std::vector<double> damping_ratio;  ///< of the critical

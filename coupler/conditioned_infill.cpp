@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "coupler/contact_law.h"
+#include "coupler/build_simulation.h"
 #include "coupler/fastest.h"
 #include "sph_infill/soil_law.h"
 #include "sph_infill/sphere_placing.h"
@@ -108,9 +108,7 @@ std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
   settings.diameter_ratio = scene.conditioning.sphere_diameter;
   settings.modulus = scene.numerics.contact_pressure / most_overlap;
   settings.friction = scene.conditioning.sphere_friction;
-  const bool damped = effect_on(effects, "contact_damping");
-  for (const Material& material : scene.materials)
-    settings.damping_ratio.push_back(damped ? damping_ratio_of_restitution(material.contact_restitution) : 0);
+  settings.damping_ratio = damping_ratios(scene, effects);
   settings.lost_strength = continuum.soil_effects.strength_softening;
 
   sph::PlacingRequest placing;

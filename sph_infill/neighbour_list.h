@@ -43,7 +43,8 @@ class RowEntry {
 
 /// Rows are sorted by index. A sum over a row in that order, to which pairs beyond the support add exact
 /// zeros, does not depend on when the list was built: a run has the same bits with any skin, for any number
-/// of threads and across a checkpoint.
+/// of threads and across a checkpoint. Periods of individual steps do depend on it, for they are chosen by
+/// all that is in the list: a checkpoint holds what it was built of and with (individual_steps.h).
 ///
 /// Particles go by groups, [g group_size, (g + 1) group_size), whose rows lie side by side: a loop takes
 /// entry k of all of them at once.

@@ -11,7 +11,8 @@ namespace tuft::sph {
 namespace {
 
 /// Bounds of the neighbour list's skin over the pitch. Wider: fewer rebuilds, more pairs out of reach to pass
-/// over. Results do not depend on it. Where nothing sleeps it follows the motion.
+/// over. Results do not depend on it, but for periods of individual steps. Where nothing sleeps it follows
+/// the motion.
 constexpr double least_skin_over_pitch = 0.02, largest_skin_over_pitch = 0.3;
 /// Where only part of the list is renewed, its skin changes once another is better by this factor: that takes
 /// a build of all of it.

@@ -71,6 +71,15 @@ TEST(LaneMath, ExponentialBeyondItsRangeIsThatOfTheEdge) {
 }
 
 /// Some compilers get masked assignment of whole vectors wrong; all loops that select lanes would be.
+TEST(LaneMath, LanesBelowALimitAreBitsOfTheirPlaces) {
+  for (unsigned bits = 0; bits < 1U << lanes; ++bits) {
+    const Pack values(
+        [bits](auto lane) { return (bits >> lane & 1U) != 0 ? 0.999 : 1.0; });  // 1 is not below 1
+    EXPECT_EQ(lanes_below(values, 1), bits);
+  }
+  EXPECT_EQ(lanes_below(Pack(std::numeric_limits<double>::quiet_NaN()), 1), 0U);
+}
+
 TEST(LaneMath, SelectionAndMaskedAssignmentTakeEachLaneByItself) {
   const Pack x([](auto lane) { return lane % 2 == 0 ? 1.5 : -2.5; });
   Pack assigned = x;

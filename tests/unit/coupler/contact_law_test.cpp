@@ -93,6 +93,16 @@ TEST(NormalSpring, StiffensInProportionToItsForceUpToItsEndAndNotBeyond) {
   EXPECT_EQ(s.tangent(1e-3), s.tangent(s.end));
 }
 
+TEST(NormalSpring, AllAtOnceAreWhatEachIsByItself) {
+  for (const NormalSpring& spring : {NormalSpring{2e4}, NormalSpring{2e4, 300, 1e-3}})
+    for (const double overlap : {0.0, 1e-7, 4e-4, 1e-3, 2e-3}) {
+      const NormalSpring::State state = spring.at(overlap);
+      EXPECT_NEAR(state.tangent, spring.tangent(overlap), 1e-15 * spring.tangent(2e-3)) << overlap;
+      EXPECT_DOUBLE_EQ(state.force, spring.force(overlap)) << overlap;
+      EXPECT_DOUBLE_EQ(state.energy, spring.energy(overlap)) << overlap;
+    }
+}
+
 TEST(NormalSpring, WithLittleStiffeningIsTheLinearOne) {
   const NormalSpring linear{2e5}, nearly{2e5, 1e-3};
   EXPECT_NEAR(nearly.force(3e-4) / linear.force(3e-4), 1, 1e-6);

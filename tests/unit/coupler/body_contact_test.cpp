@@ -1,0 +1,139 @@
+/// Contact of many points with bodies, summed part by part on all threads.
+#include "coupler/body_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/parallel.h"
+
+namespace tuft::coupler {
+namespace {
+
+/// A bed of balls pressed into a floor and two walls in a corner: some touch one of them, some two or three.
+/// More than two parts of pairs, whose bounds fall between the pairs of one point.
+class Corner {
+ public:
+  static constexpr std::size_t count = 900;
+  static constexpr double radius = 1e-3, window = 1e-6;
+
+  /// size: of them, from `first` on.
+  explicit Corner(std::size_t first = 0, std::size_t size = count) : contact_(settings(first, size)) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> height(0.6 * radius, 1.2 * radius), speed(-0.2, 0.2);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = height(random), y = height(random), z = height(random), u = speed(random),
+                   v = speed(random), w = speed(random);
+      if (i < first || i >= first + size) continue;
+      position_.push_back({x, y, z});
+      velocity_.push_back({u, v, w});
+    }
+    radii_.assign(size, radius), mass_.assign(size, 1e-5);
+    for (int d = 0; d < 3; ++d) {
+      RigidBody body;
+      body.shape = HalfSpace{Vec3::Unit(d)};
+      bodies_.push_back(body);
+    }
+    contact_.search(view(), bodies_, radius, false);
+  }
+  [[nodiscard]] ParticleView view() const {
+    ParticleView points;
+    points.x = position_.x, points.y = position_.y, points.z = position_.z;
+    points.vx = velocity_.x, points.vy = velocity_.y, points.vz = velocity_.z;
+    points.radius = radii_;
+    points.mass = mass_;
+    return points;
+  }
+  void evaluate() {
+    on_points.assign(position_.size(), 0);
+    on_bodies.impulse.assign(bodies_.size(), Vec3::Zero());
+    contact_.evaluate(view(), bodies_, 0, window, 0, 0, window, on_points, nullptr, on_bodies);
+  }
+  [[nodiscard]] std::size_t pairs() const { return contact_.pair_count(); }
+  [[nodiscard]] double energy() const {
+    const ContactEnergy& e = contact_.energy();
+    return e.elastic + e.friction + e.damped + e.released;
+  }
+  [[nodiscard]] double least_step(bool with_dashpots) const {
+    return contact_.least_stable_step(view(), bodies_, 1e-4, with_dashpots);
+  }
+  [[nodiscard]] std::vector<double> steps(bool with_dashpots) const {
+    return contact_.stable_steps(view(), bodies_, 1e-4, with_dashpots);
+  }
+
+  Vec3Array on_points;  ///< N s
+  BodyImpulses on_bodies;
+
+ private:
+  static BodyContactSettings settings(std::size_t first, std::size_t size) {
+    BodyContactSettings settings;
+    for (std::size_t i = first; i < first + size; ++i) {
+      settings.spring.push_back({2e4, i % 2 == 0 ? 0.0 : 300.0, 1e-3});
+      settings.damping_ratio.push_back(0.1);
+      settings.friction.push_back({0.3, 0.3, 0});
+    }
+    return settings;
+  }
+  BodyContact contact_;
+  std::vector<RigidBody> bodies_;
+  Vec3Array position_, velocity_;
+  std::vector<double> radii_, mass_;
+};
+
+TEST(BodyContact, GivesPointsAndBodiesOppositeImpulsesWhereAPartEndsToo) {
+  Corner corner;
+  ASSERT_GT(corner.pairs(), 4 * sum_block);
+  corner.evaluate();
+  Vec3 points(0, 0, 0), bodies(0, 0, 0);
+  for (std::size_t i = 0; i < Corner::count; ++i) points += corner.on_points[i];
+  for (const Vec3& impulse : corner.on_bodies.impulse) bodies += impulse;
+  EXPECT_GT(points.minCoeff(), 0) << "each pushes along its own axis";
+  EXPECT_LT((points + bodies).norm(), 1e-13 * points.norm());
+  for (Eigen::Index d = 0; d < 3; ++d) EXPECT_LT(corner.on_bodies.impulse[static_cast<std::size_t>(d)][d], 0);
+}
+
+TEST(BodyContact, OfManyPointsIsThatOfEachByItself) {
+  Corner all;
+  all.evaluate();
+  std::vector<Vec3> bodies(3, Vec3::Zero());
+  double energy = 0;
+  for (std::size_t i = 0; i < Corner::count; ++i) {
+    Corner one(i, 1);
+    one.evaluate();
+    EXPECT_EQ(all.on_points[i], one.on_points[0]) << i;
+    for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b] += one.on_bodies.impulse[b];
+    energy += one.energy();
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    EXPECT_LT((bodies[b] - all.on_bodies.impulse[b]).norm(), 1e-13 * bodies[b].norm());
+  EXPECT_NEAR(all.energy(), energy, 1e-12 * energy);
+}
+
+TEST(BodyContact, IsTheSameToTheLastBitForAnyNumberOfThreads) {
+  const int threads = omp_get_max_threads();
+  Corner one, three;
+  for (int k = 0; k < 3; ++k) {
+    set_threads(1);
+    one.evaluate();
+    set_threads(3);
+    three.evaluate();
+  }
+  set_threads(threads);
+  EXPECT_EQ(one.on_points.x, three.on_points.x);
+  EXPECT_EQ(one.on_points.z, three.on_points.z);
+  for (std::size_t b = 0; b < 3; ++b) EXPECT_EQ(one.on_bodies.impulse[b], three.on_bodies.impulse[b]);
+  EXPECT_EQ(one.energy(), three.energy());
+  EXPECT_NE(one.energy(), 0);
+}
+
+TEST(BodyContact, LeastStableStepIsTheLeastOfAllPoints) {
+  const Corner corner;
+  for (const bool with_dashpots : {false, true}) {
+    const std::vector<double> steps = corner.steps(with_dashpots);
+    EXPECT_EQ(corner.least_step(with_dashpots), *std::min_element(steps.begin(), steps.end()));
+  }
+}
+
+}  // namespace
+}  // namespace tuft::coupler
