@@ -21,9 +21,17 @@ struct BodyContactSettings {
   std::vector<FrictionLaw> carpet_friction{};
 };
 
-/// Impulses on bodies and their tally, one entry a body.
+/// Of one window, one entry a body.
 struct BodyImpulses {
-  std::vector<Vec3> impulse;  ///< N s
+  std::vector<Vec3> impulse;  ///< N s, given
+  /// N s, of forces as last found, for as long as the window is: what a gauge at the body reads. The same as
+  /// `impulse` where points have no kicks of their own; else a kick may give what several windows hold.
+  std::vector<Vec3> measured;
+
+  void reset(std::size_t bodies) {
+    impulse.assign(bodies, Vec3::Zero());
+    measured.assign(bodies, Vec3::Zero());
+  }
 };
 
 class BodyContact {
@@ -36,9 +44,9 @@ class BodyContact {
 
   /// One substep with points where they stand and bodies moved along their velocity by `ahead` (s). Adds
   /// `weight` times the force (N) to `linear` (weight 1: forces, weight dt: impulses), impulses about the
-  /// points' centres (N m s) to `angular` when it is not null, and impulses on bodies. Between points that
-  /// have kicks of their own (ParticleView::kicks) and bodies that cannot move the step is the kick's, where
-  /// there is one; the others stay as they are.
+  /// points' centres (N m s) to `angular` when it is not null, and impulses on bodies. Of points that have
+  /// kicks of their own (ParticleView::kicks) the step is the kick's, where there is one; the others stay as
+  /// they are.
   void evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead, double dt,
                 double release, double release_before, double weight, Vec3Array& linear, Vec3Array* angular,
                 BodyImpulses& on_bodies);
@@ -60,32 +68,53 @@ class BodyContact {
   [[nodiscard]] const InitialOverlap& initial_overlap() const { return initial_overlap_; }
   [[nodiscard]] const BodyContactSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t pair_count() const { return keys_.size(); }
+  /// How a pair stands and closes in; it refers to the springs of the contact that found it.
+  struct Approach {
+    Vec3 normal{0, 0, 1};  ///< unit, out of the body
+    double overlap = 0;    ///< m, below 0: apart
+    double closing = 0;    ///< m/s
+    double radius = 0;     ///< m, of the point along the normal
+    const NormalSpring* spring = nullptr;
+
+    /// N/m, after `horizon` (s) at that speed; 0: apart. Springs that do not stiffen have theirs always.
+    [[nodiscard]] double stiffness_after(double horizon) const;
+  };
+  /// Of all pairs, now.
+  void look(const ParticleView& points, const std::vector<RigidBody>& bodies,
+            std::vector<Approach>& approaches) const;
+
   /// Largest stable step of each point's contacts alone, s, over the coming `horizon` (s): 2/omega, infinite
-  /// where nothing is near. Of the springs that stiffen only those near a body count, with the overlap that
-  /// they will have at the end of it as they close in now; before the first search, all with the most they
-  /// can stiffen. `with_dashpots`: (2/omega)(sqrt(1 + zeta^2) - zeta), for the dashpot's force is taken from
-  /// the velocity half a step before; and a point between several bodies feels the tangential springs of the
-  /// others beside the normal one.
+  /// where nothing is near. approaches: of `look`, now. Of the springs that stiffen only those near a body
+  /// count, with the overlap that they will have at the end of it as they close in now; before the first
+  /// search, all with the most they can stiffen. `with_dashpots`: (2/omega)(sqrt(1 + zeta^2) - zeta), for the
+  /// dashpot's force is taken from the velocity half a step before; and a point between several bodies feels
+  /// the springs of all, normal and tangential, in the direction in which they are stiffest together.
   [[nodiscard]] std::vector<double> stable_steps(const ParticleView& points,
-                                                 const std::vector<RigidBody>& bodies, double horizon,
+                                                 std::span<const Approach> approaches, double horizon,
                                                  bool with_dashpots) const;
 
   /// The least of them.
-  [[nodiscard]] double least_stable_step(const ParticleView& points, const std::vector<RigidBody>& bodies,
+  [[nodiscard]] double least_stable_step(const ParticleView& points, std::span<const Approach> approaches,
                                          double horizon, bool with_dashpots) const;
 
   /// Of those steps, makes infinite what is of points far from all bodies.
   void leave_near(std::vector<double>& steps) const;
 
-  /// Raises `rates` (1/s, one a point) to what points near a body need: the inverse of `stable_steps`,
-  /// infinite beside a body that can move.
-  void raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
-                   bool with_dashpots, std::vector<float>& rates) const;
+  /// Raises `rates` (1/s, one a point) to what points near a body need: the inverse of `stable_steps`.
+  /// Beside a body that can move also `least_beside_moving` and the inverse of steps that take a tenth, at
+  /// most, of what is stable for the body's mass on all its springs, or close in by a tenth of a point's
+  /// radius.
+  void raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                   std::span<const Approach> approaches, double horizon, bool with_dashpots,
+                   double least_beside_moving, std::vector<float>& rates) const;
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);
 
  private:
+  /// Pairs from which on other threads are called in.
+  static constexpr std::size_t least_for_threads = 1024;
+
   struct Result {
     ContactForce contact;
     Vec3 arm{0, 0, 0};
@@ -109,34 +138,37 @@ class BodyContact {
     return body.is_carpet && !settings_.carpet_friction.empty() ? settings_.carpet_friction[i]
                                                                 : settings_.friction[i];
   }
-  /// Of a point with kicks of its own and a body that cannot move.
+  /// Of a point with kicks of its own.
   void evaluate_kicked_pair(std::size_t pair, const ParticleView& points,
                             const std::vector<RigidBody>& bodies, double dt, double release,
                             double release_before);
-  /// Adds what a pair, just evaluated, gives.
-  void sum_up(std::size_t pair, Vec3Array& linear, Vec3Array* angular, ContactEnergy& energy,
-              Vec3* on_bodies) const;
+  struct Sums {
+    ContactEnergy energy;
+    BodyImpulses on_bodies;
+  };
+  /// Adds what a pair, evaluated for a window of dt (s), gives.
+  void sum_up(std::size_t pair, double dt, Vec3Array& linear, Vec3Array* angular, Sums& sums) const;
   /// N/m, of a point's springs as far as they do not depend on pairs, see stable_steps.
   [[nodiscard]] double stiffness_apart(std::size_t point) const;
-  /// s, of a point near so many bodies under springs of that stiffness, see stable_steps.
-  [[nodiscard]] double step_under(double stiffness, std::size_t point, int near, const ParticleView& points,
+  /// s, of a point under springs of that stiffness, see stable_steps.
+  [[nodiscard]] double step_under(double stiffness, std::size_t point, const ParticleView& points,
                                   bool with_dashpots) const;
-  /// take(its first pair, point, its stable step, whether one of its bodies can move) for all near a body, on
-  /// all threads.
+  /// s, of a point that no pair is known of.
+  [[nodiscard]] double step_apart(std::size_t point, const ParticleView& points, bool with_dashpots) const;
+  /// take(its first pair, point, its stable step) for all near a body, on all threads.
   template <class Take>
-  void for_near_points(const ParticleView& points, const std::vector<RigidBody>& bodies, double horizon,
+  void for_near_points(const ParticleView& points, std::span<const Approach> approaches, double horizon,
                        bool with_dashpots, Take&& take) const;
-  /// N/m, of a pair's spring if it stiffens, at the end of `horizon` (s); 0: apart.
-  [[nodiscard]] double coming_stiffness(PairKey key, const ParticleView& points,
-                                        const std::vector<RigidBody>& bodies, double horizon) const;
+  /// See raise_rates, for one body that can move.
+  void raise_beside(Index number, const RigidBody& body, std::span<const Approach> approaches, double horizon,
+                    double least, std::vector<float>& rates) const;
 
   BodyContactSettings settings_;
   bool all_stiffen_ = false;  ///< springs
   std::vector<PairKey> keys_;
   std::vector<ContactHistory> histories_;
   std::vector<Result> results_;
-  std::vector<ContactEnergy> part_energy_;  ///< scratch of `evaluate`, by part of the pairs
-  std::vector<Vec3> part_on_bodies_;        ///< N s, likewise, by part and body
+  std::vector<Sums> part_sums_;  ///< scratch of `evaluate`, by part of the pairs
   ContactEnergy energy_;
   InitialOverlap initial_overlap_;
   bool searched_ = false;

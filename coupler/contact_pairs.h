@@ -20,12 +20,21 @@ using PairKey = std::uint64_t;
   return static_cast<Index>(key & 0xffffffffu);
 }
 
-/// Histories for new_keys: those of old_keys where a key stays, fresh ones elsewhere. Both key lists are
-/// sorted and unique. Pairs that fall out of the list are apart by more than the skin, so nothing is lost
+/// What is known of pairs, for new_keys: that of old_keys where a key stays, fresh elsewhere. Both key lists
+/// are sorted and unique. Pairs that fall out of the list are apart by more than the skin, so nothing is lost
 /// with them.
-[[nodiscard]] std::vector<ContactHistory> carry_over(const std::vector<PairKey>& old_keys,
-                                                     const std::vector<ContactHistory>& old_histories,
-                                                     const std::vector<PairKey>& new_keys);
+template <class Known>
+[[nodiscard]] std::vector<Known> carry_over(const std::vector<PairKey>& old_keys,
+                                            const std::vector<Known>& known,
+                                            const std::vector<PairKey>& new_keys) {
+  std::vector<Known> result(new_keys.size());
+  std::size_t old = 0;
+  for (std::size_t i = 0; i < new_keys.size(); ++i) {
+    while (old < old_keys.size() && old_keys[old] < new_keys[i]) ++old;
+    if (old < old_keys.size() && old_keys[old] == new_keys[i]) result[i] = known[old];
+  }
+  return result;
+}
 
 /// Energies of one kind of contact, J. `elastic` is the present state; the rest adds up over the run.
 struct ContactEnergy {

@@ -81,6 +81,11 @@ struct RigidBody {
     return plane != nullptr ? plane->normal.z() == 0 : std::holds_alternative<Bore>(shape);
   }
   [[nodiscard]] double inverse_mass() const { return is_fixed() ? 0.0 : 1.0 / mass; }
+  /// Of its surface, seen from a point (m), where it will be in `ahead` (s).
+  [[nodiscard]] SurfacePoint surface_from(const Vec3& point, double ahead = 0) const {
+    const Vec3 relative = point - position - ahead * velocity;
+    return std::visit([&](const auto& of) { return distance_to(of, relative); }, shape);
+  }
 };
 
 /// A work of one window's kick, J: its part up to the moment of the force, and all of it.

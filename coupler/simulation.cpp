@@ -59,7 +59,7 @@ Simulation::Simulation(SimulationParts parts)
   node_force_.assign(parts_.carpet->nodes().x.size(), 0.0);
   impulses_.linear.assign(particles.size(), 0.0);
   size_angular(particles, impulses_);
-  body_impulses_.impulse.assign(parts_.bodies.size(), Vec3::Zero());
+  body_impulses_.reset(parts_.bodies.size());
   interval_impulse_.assign(parts_.bodies.size(), Vec3::Zero());
   for (const RigidBody& body : parts_.bodies)
     if (!body.is_fixed() && body.present) body_kinetic_ += 0.5 * body.mass * body.velocity.squaredNorm();
@@ -127,6 +127,7 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
 void Simulation::advance_interval(double interval) {
   if (parts_.separated_at_fibres) show_sheets(interval);
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
+  look_at_bodies();
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
   tell_contact_rates(interval);
@@ -160,9 +161,12 @@ double Simulation::release_at(double time) const {
 void Simulation::advance_window(bool last) {
   zero(impulses_.linear);
   zero(impulses_.angular);
-  std::fill(body_impulses_.impulse.begin(), body_impulses_.impulse.end(), Vec3::Zero());
-  if (const std::uint64_t before = searches_; check_candidates(), searches_ != before)
+  body_impulses_.reset(parts_.bodies.size());
+  if (const std::uint64_t before = searches_;
+      check_candidates(), searches_ != before && parts_.infill->has_individual_steps()) {
+    look_at_bodies();
     tell_contact_rates(plan_.windows * plan_.window);
+  }
   {
     const ScopedPhase phase(timers_, Phase::infill);
     parts_.infill->begin_window(plan_.window, plan_.infill_substeps, last);
@@ -223,7 +227,7 @@ void Simulation::advance_bodies(Vec3& taken, double& scale) {
     pending_damping_ += advance.damped.whole - advance.damped.until_now;
     taken += advance.impulse_taken;
     scale += body_impulses_.impulse[b].cwiseAbs().sum();
-    interval_impulse_[b] += body_impulses_.impulse[b];
+    interval_impulse_[b] += body_impulses_.measured[b];
   }
 }
 

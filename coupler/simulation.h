@@ -79,7 +79,8 @@ class Simulation {
   [[nodiscard]] Infill& infill() { return *parts_.infill; }
   [[nodiscard]] const Infill& infill() const { return *parts_.infill; }
   [[nodiscard]] const std::vector<RigidBody>& bodies() const { return parts_.bodies; }
-  /// Contact impulse each body received over the last interval, N s.
+  /// Contact impulse each body received over the last interval, N s, as a gauge there measures it: see
+  /// BodyImpulses::measured.
   [[nodiscard]] const std::vector<Vec3>& interval_impulse() const { return interval_impulse_; }
   [[nodiscard]] const EnergyLedger& ledger() const { return ledger_; }
   /// The balance by part, J: what carpet and infill gained beyond the work done on them, and what contact
@@ -122,8 +123,12 @@ class Simulation {
   /// The infill as contact sees it, see `window_position_`.
   [[nodiscard]] ParticleView contact_view() const;
   AdvanceReport advance_infill();
+  /// How particles stand to bodies, for the two below.
+  void look_at_bodies();
   /// Where particles take steps of their own: what contact near them bears, in the next while.
   void tell_contact_rates(double interval);
+  [[nodiscard]] StableSteps stable_steps(double interval,
+                                         std::span<const BodyContact::Approach> approaches) const;
   [[nodiscard]] double moved_since_search() const;
   void check_momentum(const AdvanceReport& infill, const Vec3& carpet, const Vec3& bodies,
                       double bodies_scale);
@@ -156,6 +161,7 @@ class Simulation {
   std::size_t sheets_failed_ = 0;            ///< shells that had failed then
   double sheets_hold_ = -1;  ///< m that particles and strands may move until they are shown again
   std::vector<float> contact_rates_;
+  std::vector<BodyContact::Approach> approaches_;  ///< scratch, see look_at_bodies
 
   struct Reference {  ///< where everything stood at the last search
     Vec3Array particles, nodes, bodies;

@@ -16,13 +16,20 @@ constexpr int patience = 50;
 }  // namespace
 
 StableSteps Simulation::stable_steps(double interval) const {
+  std::vector<BodyContact::Approach> approaches;
+  particle_body_.look(parts_.infill->particles(), parts_.bodies, approaches);
+  return stable_steps(interval, approaches);
+}
+
+StableSteps Simulation::stable_steps(double interval,
+                                     std::span<const BodyContact::Approach> approaches) const {
   const double infill = parts_.infill->stable_step();
   const ParticleView particles = parts_.infill->particles();
   if (!has_carpet()) {  // the infill alone sets the window
-    const double touching = particle_body_.least_stable_step(particles, parts_.bodies, interval, true);
+    const double touching = particle_body_.least_stable_step(particles, approaches, interval, true);
     return {1 / std::hypot(1 / infill, 1 / touching), infill, touching, 1};
   }
-  std::vector<double> steps = particle_body_.stable_steps(particles, parts_.bodies, interval, false);
+  std::vector<double> steps = particle_body_.stable_steps(particles, approaches, interval, false);
   double touching = *std::min_element(steps.begin(), steps.end());
   particle_body_.leave_near(steps);  // of what touches both the springs add up
   particle_shell_.shorten_steps(particles, steps);
@@ -34,7 +41,7 @@ StableSteps Simulation::stable_steps(double interval) const {
 /// accuracy.
 StepPlan Simulation::next_plan(double interval) {
   const double safety = parts_.numerics.step_safety, asked = parts_.numerics.coupling_window;
-  const StableSteps stable = stable_steps(interval);
+  const StableSteps stable = stable_steps(interval, approaches_);
   const StepPlan plan = plan_steps(stable, safety, asked, interval);
   if (!(plan.window > (1 + 1e-9) * plan_.window) || plan_.window == 0) {
     bears_longer_steps_ = 0;
@@ -54,12 +61,18 @@ bool Simulation::shorten_rest(double rest) {
   // Slow elements of the carpet are evaluated in the last of its steps, which are counted from the interval's
   // start.
   if (plan_.carpet_subcycle > 1) return false;
-  const StepPlan plan =
-      plan_steps(stable_steps(rest), parts_.numerics.step_safety, parts_.numerics.coupling_window, rest);
+  look_at_bodies();
+  const StepPlan plan = plan_steps(stable_steps(rest, approaches_), parts_.numerics.step_safety,
+                                   parts_.numerics.coupling_window, rest);
   if (!(plan.window < (1 - 1e-9) * plan_.window)) return false;
   plan_ = plan;
   tell_contact_rates(rest);
   return true;
+}
+
+void Simulation::look_at_bodies() {
+  const ScopedPhase phase(timers_, Phase::contact);
+  particle_body_.look(parts_.infill->particles(), parts_.bodies, approaches_);
 }
 
 void Simulation::tell_contact_rates(double interval) {
@@ -69,7 +82,10 @@ void Simulation::tell_contact_rates(double interval) {
   const double horizon = interval + parts_.numerics.individual_steps * plan_.window;
   const ParticleView particles = parts_.infill->particles();
   contact_rates_.assign(particles.size(), 0);
-  particle_body_.raise_rates(particles, parts_.bodies, horizon, !has_carpet(), contact_rates_);
+  // What a gauge at a body reads follows its kicks: less than two intervals apart.
+  const double of_readings = (0.5 + 1e-4) * parts_.numerics.step_safety / interval;
+  particle_body_.raise_rates(particles, parts_.bodies, approaches_, horizon, !has_carpet(), of_readings,
+                             contact_rates_);
   particle_shell_.raise_rates(contact_rates_);
   parts_.infill->set_contact_rates(contact_rates_);
 }

@@ -59,9 +59,14 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
     lattice.layer.push_back(static_cast<Index>(k));
     lattice.material.push_back(turf.layers[k].material);
   };
+  // Two columns at a time, to and fro: eight in sequence lie two by four, so that few others are near them.
   const auto add_row = [&](std::size_t k, int iz, long x_begin, long y_begin) {
-    for (long ix = x_begin; ix < std::min(nx, x_begin + tile_width); ++ix)
-      for (long iy = y_begin; iy < std::min(ny, y_begin + tile_width); ++iy) add(k, ix, iy, iz);
+    const long x_end = std::min(nx, x_begin + tile_width), y_end = std::min(ny, y_begin + tile_width);
+    bool back = false;
+    for (long pair = x_begin; pair < x_end; pair += 2, back = !back)
+      for (long n = 0; n < y_end - y_begin; ++n)
+        for (long ix = pair; ix < std::min(x_end, pair + 2); ++ix)
+          add(k, ix, back ? y_end - 1 - n : y_begin + n, iz);
   };
   // What one particle's neighbours read stays in a core's second-level cache: one layer by strips of columns,
   // which is the faster of the two. Several by tiles, row upon row, so that particles with consecutive

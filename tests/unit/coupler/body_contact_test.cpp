@@ -47,7 +47,7 @@ class Corner {
   }
   void evaluate() {
     on_points.assign(position_.size(), 0);
-    on_bodies.impulse.assign(bodies_.size(), Vec3::Zero());
+    on_bodies.reset(bodies_.size());
     contact_.evaluate(view(), bodies_, 0, window, 0, 0, window, on_points, nullptr, on_bodies);
   }
   [[nodiscard]] std::size_t pairs() const { return contact_.pair_count(); }
@@ -56,10 +56,15 @@ class Corner {
     return e.elastic + e.friction + e.damped + e.released;
   }
   [[nodiscard]] double least_step(bool with_dashpots) const {
-    return contact_.least_stable_step(view(), bodies_, 1e-4, with_dashpots);
+    return contact_.least_stable_step(view(), approaches(), 1e-4, with_dashpots);
   }
   [[nodiscard]] std::vector<double> steps(bool with_dashpots) const {
-    return contact_.stable_steps(view(), bodies_, 1e-4, with_dashpots);
+    return contact_.stable_steps(view(), approaches(), 1e-4, with_dashpots);
+  }
+  [[nodiscard]] std::vector<BodyContact::Approach> approaches() const {
+    std::vector<BodyContact::Approach> found;
+    contact_.look(view(), bodies_, found);
+    return found;
   }
 
   Vec3Array on_points;  ///< N s
@@ -88,6 +93,7 @@ TEST(BodyContact, GivesPointsAndBodiesOppositeImpulsesWhereAPartEndsToo) {
   Vec3 points(0, 0, 0), bodies(0, 0, 0);
   for (std::size_t i = 0; i < Corner::count; ++i) points += corner.on_points[i];
   for (const Vec3& impulse : corner.on_bodies.impulse) bodies += impulse;
+  EXPECT_EQ(corner.on_bodies.measured, corner.on_bodies.impulse) << "all are kicked in every window";
   EXPECT_GT(points.minCoeff(), 0) << "each pushes along its own axis";
   EXPECT_LT((points + bodies).norm(), 1e-13 * points.norm());
   for (Eigen::Index d = 0; d < 3; ++d) EXPECT_LT(corner.on_bodies.impulse[static_cast<std::size_t>(d)][d], 0);
@@ -133,6 +139,43 @@ TEST(BodyContact, LeastStableStepIsTheLeastOfAllPoints) {
     const std::vector<double> steps = corner.steps(with_dashpots);
     EXPECT_EQ(corner.least_step(with_dashpots), *std::min_element(steps.begin(), steps.end()));
   }
+}
+
+/// A ball of 1e-5 kg pressed 0.1 mm into bodies that stand to each other as their normals do; the springs are
+/// linear.
+double stable_step_between(const std::vector<Vec3>& normals) {
+  constexpr double radius = 1e-3, overlap = 1e-4;
+  BodyContactSettings settings;
+  settings.spring = {{2e4}}, settings.damping_ratio = {0}, settings.friction = {{0.3, 0.3, 0}};
+  BodyContact contact(settings);
+  std::vector<RigidBody> bodies;
+  for (const Vec3& normal : normals) {
+    RigidBody& body = bodies.emplace_back();
+    body.shape = HalfSpace{normal};
+    body.position = (overlap - radius) * normal;
+  }
+  const std::vector<double> zero{0}, radii{radius}, masses{1e-5};
+  ParticleView points;
+  points.x = points.y = points.z = points.vx = points.vy = points.vz = zero;
+  points.radius = radii, points.mass = masses;
+  contact.search(points, bodies, radius, false);
+  std::vector<BodyContact::Approach> approaches;
+  contact.look(points, bodies, approaches);
+  return contact.least_stable_step(points, approaches, 1e-4, true);
+}
+
+TEST(BodyContact, StableStepBetweenBodiesIsThatOfTheStiffestDirection) {
+  const double one = 2 * std::sqrt(1e-5 / 2e4), tangential = ContactParameters{}.tangential_ratio;
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  EXPECT_NEAR(stable_step_between({z}), one, 1e-12 * one);
+  // At right angles the others' tangential springs act along with a normal one.
+  EXPECT_NEAR(stable_step_between({x, z}), one / std::sqrt(1 + tangential), 1e-12 * one);
+  EXPECT_NEAR(stable_step_between({x, y, z}), one / std::sqrt(1 + 2 * tangential), 1e-12 * one);
+  // Between two faces both normal springs do.
+  EXPECT_NEAR(stable_step_between({z, -z}), one / std::sqrt(2), 1e-12 * one);
+  const Vec3 slanting = Vec3(1, 0, 1).normalized();
+  const double stiffest = 2 * tangential + (1 - tangential) * (1 + std::sqrt(0.5));
+  EXPECT_NEAR(stable_step_between({z, slanting}), one / std::sqrt(stiffest), 1e-12 * one);
 }
 
 }  // namespace

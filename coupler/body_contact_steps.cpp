@@ -1,0 +1,158 @@
+/// What steps contact with bodies bears.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include "coupler/body_contact.h"
+
+namespace tuft::coupler {
+namespace {
+
+constexpr double tangential_ratio = ContactParameters{}.tangential_ratio;
+
+/// A body that can move meets points at their kicks. It should not notice: so much of what is stable for its
+/// mass, and of a point's radius that it closes in, lies between two of them at most.
+constexpr double share_of_body = 0.1;
+
+/// N/m, the most that springs at a point have together in one direction: in each, normal springs count with
+/// the square of its cosine and tangential ones with what is left. along_normals: sum of k n n. sum: of k.
+double stiffest_way(const Eigen::Matrix3d& along_normals, double sum) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(along_normals, Eigen::EigenvaluesOnly);
+  return tangential_ratio * sum + (1 - tangential_ratio) * principal.eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
+double BodyContact::stiffness_apart(std::size_t point) const {
+  // Nothing but the pairs says how far a spring that stiffens is pressed in.
+  const auto most = [this](const NormalSpring& spring) {
+    return !(spring.stiffening > 0) ? spring.stiffness : searched_ ? 0 : spring.tangent(spring.end);
+  };
+  const double stiffness = most(settings_.spring[point]);
+  return settings_.wall_spring.empty() ? stiffness : std::max(stiffness, most(settings_.wall_spring[point]));
+}
+
+void BodyContact::look(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                       std::vector<Approach>& approaches) const {
+  approaches.resize(keys_.size());
+#pragma omp parallel for schedule(static) if (keys_.size() > least_for_threads)
+  for (std::size_t g = 0; g < keys_.size(); ++g) {
+    const Index i = key_point(keys_[g]);
+    const RigidBody& body = bodies[static_cast<std::size_t>(key_other(keys_[g]))];
+    const SurfacePoint surface = body.surface_from(points.position(i));
+    const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
+    approaches[g] = {surface.normal, radius - surface.distance,
+                     -(points.velocity(i) - body.velocity).dot(surface.normal), radius, &spring_of(i, body)};
+  }
+}
+
+double BodyContact::Approach::stiffness_after(double horizon) const {
+  if (!(spring->stiffening > 0)) return spring->stiffness;
+  const double coming = overlap + horizon * std::max(0.0, closing);
+  return coming > 0 ? spring->tangent(coming) : 0;
+}
+
+double BodyContact::step_under(double stiffness, std::size_t point, const ParticleView& points,
+                               bool with_dashpots) const {
+  if (!(stiffness > 0)) return std::numeric_limits<double>::infinity();
+  const double zeta = with_dashpots ? settings_.damping_ratio[point] : 0;
+  return 2 * std::sqrt(points.mass[point] / stiffness) * (std::sqrt(1 + zeta * zeta) - zeta);
+}
+
+double BodyContact::step_apart(std::size_t point, const ParticleView& points, bool with_dashpots) const {
+  // Before the first search a point may be near any three bodies, at right angles.
+  const double others = !searched_ && with_dashpots ? 2 * tangential_ratio : 0;
+  return step_under((1 + others) * stiffness_apart(point), point, points, with_dashpots);
+}
+
+template <class Take>
+void BodyContact::for_near_points(const ParticleView& points, std::span<const Approach> approaches,
+                                  double horizon, bool with_dashpots, Take&& take) const {
+  const std::size_t pairs = keys_.size();
+#pragma omp parallel for schedule(static) if (pairs > least_for_threads)
+  for (std::size_t first = 0; first < pairs; ++first) {  // sorted by point: each goes with its first pair
+    const Index i = key_point(keys_[first]);
+    if (first > 0 && key_point(keys_[first - 1]) == i) continue;
+    const auto point = static_cast<std::size_t>(i);
+    double largest = searched_ && all_stiffen_ ? 0 : stiffness_apart(point), sum = 0;
+    Eigen::Matrix3d along_normals = Eigen::Matrix3d::Zero();
+    std::size_t g = first;
+    for (; g < pairs && key_point(keys_[g]) == i; ++g) {
+      const double k = approaches[g].stiffness_after(horizon);
+      const Vec3& normal = approaches[g].normal;
+      largest = std::max(largest, k);
+      sum += k;
+      along_normals += k * normal * normal.transpose();
+    }
+    if (with_dashpots && g - first > 1) largest = std::max(largest, stiffest_way(along_normals, sum));
+    take(first, point, step_under(largest, point, points, with_dashpots));
+  }
+}
+
+std::vector<double> BodyContact::stable_steps(const ParticleView& points,
+                                              std::span<const Approach> approaches, double horizon,
+                                              bool with_dashpots) const {
+  std::vector<double> steps(points.size(), std::numeric_limits<double>::infinity());
+  if (!searched_ || !all_stiffen_)
+    for (std::size_t i = 0; i < points.size(); ++i) steps[i] = step_apart(i, points, with_dashpots);
+  for_near_points(points, approaches, horizon, with_dashpots,
+                  [&](std::size_t, std::size_t i, double step) { steps[i] = step; });
+  return steps;
+}
+
+double BodyContact::least_stable_step(const ParticleView& points, std::span<const Approach> approaches,
+                                      double horizon, bool with_dashpots) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least = infinity;
+  if (!searched_ || !all_stiffen_)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      least = std::min(least, step_apart(i, points, with_dashpots));
+  std::vector<double> near(keys_.size(), infinity);
+  for_near_points(points, approaches, horizon, with_dashpots,
+                  [&](std::size_t first, std::size_t, double step) { near[first] = step; });
+  for (const double step : near) least = std::min(least, step);
+  return least;
+}
+
+void BodyContact::leave_near(std::vector<double>& steps) const {
+  std::vector<double> near(steps.size(), std::numeric_limits<double>::infinity());
+  for (const PairKey key : keys_) {
+    const auto i = static_cast<std::size_t>(key_point(key));
+    near[i] = steps[i];
+  }
+  steps = std::move(near);
+}
+
+void BodyContact::raise_rates(const ParticleView& points, const std::vector<RigidBody>& bodies,
+                              std::span<const Approach> approaches, double horizon, bool with_dashpots,
+                              double least_beside_moving, std::vector<float>& rates) const {
+  for_near_points(points, approaches, horizon, with_dashpots, [&](std::size_t, std::size_t i, double step) {
+    rates[i] = std::max(rates[i], static_cast<float>(1 / step));
+  });
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].present && bodies[b].can_move())
+      raise_beside(static_cast<Index>(b), bodies[b], approaches, horizon, least_beside_moving, rates);
+}
+
+void BodyContact::raise_beside(Index number, const RigidBody& body, std::span<const Approach> approaches,
+                               double horizon, double least, std::vector<float>& rates) const {
+  double stiffness = 0, soonest = 0;
+  for (std::size_t g = 0; g < keys_.size(); ++g) {
+    if (key_other(keys_[g]) != number) continue;
+    const Approach& approach = approaches[g];
+    stiffness += approach.stiffness_after(horizon);
+    soonest = std::max(soonest, approach.closing / approach.radius);
+  }
+  // Stable is 2/omega, of all its springs together.
+  const double of_mass = 0.5 * std::sqrt(stiffness * body.inverse_mass());
+  const auto needed = static_cast<float>(std::max({least, of_mass / share_of_body, soonest / share_of_body}));
+  for (const PairKey key : keys_) {
+    if (key_other(key) != number) continue;
+    float& rate = rates[static_cast<std::size_t>(key_point(key))];
+    rate = std::max(rate, needed);
+  }
+}
+
+}  // namespace tuft::coupler
