@@ -11,16 +11,6 @@ namespace {
 
 constexpr double release_tolerance = 1e-9;  // s, a frame of the moment of release shows the state before it
 
-/// Row `frame` of a dataset [F, ...].
-std::vector<double> read_row(const h5::Group& group, const std::string& name, std::size_t frame) {
-  const std::vector<std::uint64_t> shape = group.shape(name);
-  std::size_t length = 1;
-  for (std::size_t d = 1; d < shape.size(); ++d) length *= shape[d];
-  const std::vector<double> all = group.read_doubles(name);
-  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(frame * length);
-  return {begin, begin + static_cast<std::ptrdiff_t>(length)};
-}
-
 std::vector<double> read_optional(const h5::Group& group, const std::string& name, std::size_t count,
                                   double otherwise) {
   return group.has(name) ? group.read_doubles(name) : std::vector<double>(count, otherwise);
@@ -34,7 +24,7 @@ Missile read_missile(const h5::Group& frames, std::size_t frame, double time,
   if (time <= release_tolerance) missile.radius = 0;
   if (!frames.has("bodies") || !frames.open_group("bodies").has("missile")) return missile;
   const h5::Group group = frames.open_group("bodies").open_group("missile");
-  const std::vector<double> position = read_row(group, "position", frame);
+  const std::vector<double> position = group.read_row("position", frame);
   missile.x = position.at(0);
   missile.y = position.at(1);
   missile.face_height = position.at(2);
@@ -42,7 +32,7 @@ Missile read_missile(const h5::Group& frames, std::size_t frame, double time,
 }
 
 void read_dots(const h5::Group& infill, std::size_t frame, Section& section) {
-  const std::vector<double> position = read_row(infill, "position", frame);
+  const std::vector<double> position = infill.read_row("position", frame);
   const std::size_t count = position.size() / 3;
   const std::vector<double> radius = read_optional(infill, "radius", count, 1e-3);
   std::vector<std::int32_t> material(count, 0);
@@ -97,12 +87,12 @@ std::vector<bool> choose_facets(const std::vector<double>& position, const std::
 }
 
 void read_facets(const h5::Group& carpet, std::size_t frame, double slice, Section& section) {
-  const std::vector<double> position = read_row(carpet, "position", frame);
+  const std::vector<double> position = carpet.read_row("position", frame);
   const std::vector<std::int32_t> quads = carpet.read_ints("quads");
   const std::vector<std::int32_t> surface = carpet.read_ints("surface");
   section.facet_slice = slice;
   const std::vector<double> eroded =
-      carpet.has("eroded") ? read_row(carpet, "eroded", frame) : std::vector<double>(surface.size(), 0.0);
+      carpet.has("eroded") ? carpet.read_row("eroded", frame) : std::vector<double>(surface.size(), 0.0);
   std::map<Edge, int> uses;
   for (std::size_t q = 0; q < surface.size(); ++q)
     for (std::size_t c = 0; c < 4 && eroded[q] == 0; ++c) ++uses[edge_of(quads, surface[q], q, c)];

@@ -35,6 +35,9 @@ class Group {
   void set_attribute(std::string_view key, std::string_view value, std::string_view of = {});
 
   [[nodiscard]] std::vector<double> read_doubles(std::string_view name) const;
+  /// Of a dataset [R, ...] the values of one row, and nothing else from the disk. Throws RunError where it
+  /// has fewer.
+  [[nodiscard]] std::vector<double> read_row(std::string_view name, std::uint64_t row) const;
   [[nodiscard]] std::vector<std::int32_t> read_ints(std::string_view name) const;
   [[nodiscard]] std::vector<std::uint64_t> read_counts(std::string_view name) const;
   [[nodiscard]] std::vector<std::uint8_t> read_bytes(std::string_view name) const;

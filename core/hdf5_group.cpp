@@ -67,14 +67,18 @@ void write_array(const Group::Handle& group, std::string_view name, std::span<co
   write_values(group, name, values, size, false);
 }
 
-template <class T>
-std::vector<T> read_values(const Group::Handle& group, std::string_view name) {
-  const Id dataset = open_dataset(group, name);
-  const auto size = shape_of(group, dataset, name);
+void require_numbers(const Group::Handle& group, const Id& dataset, std::string_view name) {
   const Id type(H5Dget_type(dataset.get()));
   const H5T_class_t kind = H5Tget_class(type.get());
   if (kind != H5T_FLOAT && kind != H5T_INTEGER)
     group.file->fail(group.object(name), "is not a dataset of numbers");
+}
+
+template <class T>
+std::vector<T> read_values(const Group::Handle& group, std::string_view name) {
+  const Id dataset = open_dataset(group, name);
+  const auto size = shape_of(group, dataset, name);
+  require_numbers(group, dataset, name);
   std::vector<T> values(std::accumulate(size.begin(), size.end(), std::uint64_t{1}, std::multiplies<>()));
   if (!values.empty())
     require(H5Dread(dataset.get(), type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), *group.file,
@@ -197,6 +201,29 @@ void Group::set_attribute(std::string_view key, std::string_view value, std::str
 
 std::vector<double> Group::read_doubles(std::string_view name) const {
   return read_values<double>(*handle_, name);
+}
+std::vector<double> Group::read_row(std::string_view name, std::uint64_t row) const {
+  const Id dataset = open_dataset(*handle_, name);
+  const auto shape = shape_of(*handle_, dataset, name);
+  std::vector<hsize_t> count(shape.begin(), shape.end());
+  require_numbers(*handle_, dataset, name);
+  const std::string object = handle_->object(name);
+  if (count.empty() || row >= count.front())
+    handle_->file->fail(object,
+                        fmt::format("has no row {}; it has {}", row, count.empty() ? 0 : count.front()));
+  count.front() = 1;
+  std::vector<hsize_t> start(count.size(), 0);
+  start.front() = row;
+  std::vector<double> values(
+      std::accumulate(count.begin(), count.end(), std::uint64_t{1}, std::multiplies<>()));
+  if (values.empty()) return values;
+  const Id from(require(H5Dget_space(dataset.get()), *handle_->file, object, "has no shape"));
+  require(H5Sselect_hyperslab(from.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+          *handle_->file, object, "has another shape");
+  const Id into(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
+  require(H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, into.get(), from.get(), H5P_DEFAULT, values.data()),
+          *handle_->file, object, "cannot read");
+  return values;
 }
 std::vector<std::int32_t> Group::read_ints(std::string_view name) const {
   return read_values<std::int32_t>(*handle_, name);

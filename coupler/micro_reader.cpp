@@ -67,12 +67,8 @@ RecordedFields read_fields(const h5::Group& root, std::size_t frame) {
   std::copy_n(cells.begin(), 3, fields.grid.cells.begin());
   fields.width = group.read_double("width");
   for (const std::string& name : group.names()) {
-    const auto shape = group.shape(name);
-    if (shape.size() < 4) continue;  // frames, three directions
-    const std::size_t row = fields.grid.size() * (shape.size() > 4 ? shape[4] : 1);
-    const std::vector<double> all = group.read_doubles(name);
-    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(frame * row);
-    fields.values[name].assign(begin, begin + static_cast<std::ptrdiff_t>(row));
+    if (group.shape(name).size() < 4) continue;  // frames, three directions
+    fields.values[name] = group.read_row(name, frame);
   }
   return fields;
 }

@@ -50,6 +50,8 @@ TEST(Hdf5File, ReturnsEveryTypeBitForBit) {
   ASSERT_EQ(read.size(), doubles.size());
   EXPECT_EQ(0, std::memcmp(read.data(), doubles.data(), sizeof(double) * doubles.size()));
   EXPECT_EQ(state.shape("doubles"), (std::vector<std::uint64_t>{2, 3}));
+  EXPECT_EQ(state.read_row("doubles", 1), std::vector<double>(doubles.begin() + 3, doubles.end()));
+  EXPECT_EQ(state.read_row("ints", 1), std::vector<double>{static_cast<double>(ints[1])});
   EXPECT_EQ(state.read_ints("ints"), ints);
   EXPECT_EQ(state.read_counts("counts"), counts);
   EXPECT_EQ(state.read_bytes("bytes"), bytes);
@@ -65,6 +67,18 @@ TEST(Hdf5File, ReturnsEveryTypeBitForBit) {
   EXPECT_TRUE(file.root().has("state/ints"));
   EXPECT_FALSE(file.root().has("state/missing"));
   EXPECT_FALSE(file.root().has("missing/ints"));
+}
+
+TEST(Hdf5File, SaysWhichRowIsMissing) {
+  const ScratchFolder folder;
+  {
+    h5::File file = h5::File::create_atomically(folder / "a.h5");
+    file.root().write("x", std::vector<double>{1, 2, 3, 4}, {2, 2});
+    file.commit();
+  }
+  const h5::File file = h5::File::open(folder / "a.h5");
+  EXPECT_NE(message_of<RunError>([&] { (void)file.root().read_row("x", 2); }).find("has no row 2; it has 2"),
+            std::string::npos);
 }
 
 TEST(Hdf5File, GroupKeepsItsFileOpen) {
