@@ -79,7 +79,8 @@ class BodyContact {
     /// N/m, after `horizon` (s) at that speed; 0: apart. Springs that do not stiffen have theirs always.
     [[nodiscard]] double stiffness_after(double horizon) const;
   };
-  /// Of all pairs, now.
+  /// Of all pairs, now; of one with a constant spring at the only body near its point, which cannot move, the
+  /// spring alone.
   void look(const ParticleView& points, const std::vector<RigidBody>& bodies,
             std::vector<Approach>& approaches) const;
 

@@ -37,14 +37,23 @@ double BodyContact::stiffness_apart(std::size_t point) const {
 void BodyContact::look(const ParticleView& points, const std::vector<RigidBody>& bodies,
                        std::vector<Approach>& approaches) const {
   approaches.resize(keys_.size());
+  const auto is_of_next = [this](std::size_t g) {
+    return g + 1 < keys_.size() && key_point(keys_[g]) == key_point(keys_[g + 1]);
+  };
 #pragma omp parallel for schedule(static) if (keys_.size() > least_for_threads)
   for (std::size_t g = 0; g < keys_.size(); ++g) {
     const Index i = key_point(keys_[g]);
     const RigidBody& body = bodies[static_cast<std::size_t>(key_other(keys_[g]))];
+    approaches[g] = {.spring = &spring_of(i, body)};
+    // A constant spring at the only body near, one at rest, is all that counts.
+    const bool alone = !is_of_next(g) && (g == 0 || !is_of_next(g - 1));
+    if (alone && !(approaches[g].spring->stiffening > 0) && !body.can_move()) continue;
     const SurfacePoint surface = body.surface_from(points.position(i));
     const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
-    approaches[g] = {surface.normal, radius - surface.distance,
-                     -(points.velocity(i) - body.velocity).dot(surface.normal), radius, &spring_of(i, body)};
+    approaches[g].normal = surface.normal;
+    approaches[g].overlap = radius - surface.distance;
+    approaches[g].closing = -(points.velocity(i) - body.velocity).dot(surface.normal);
+    approaches[g].radius = radius;
   }
 }
 
