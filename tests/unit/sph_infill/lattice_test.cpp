@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/error.h"
@@ -86,6 +88,28 @@ TEST(Lattice, FillsThePatchCentredOnTheOriginWithAWholeNumberOfColumns) {
   EXPECT_NEAR(sum_x, 0, 1e-15 * 528);
   EXPECT_NEAR(sum_y, 0, 1e-15 * 528);
   EXPECT_NEAR(lowest_x, -0.0211 / 2 + 0.0211 / 11 / 2, 1e-15);
+}
+
+TEST(Lattice, OfSeveralLayersHasGroupsOfEightThatLieTwoByFourInOneRow) {
+  constexpr double pitch = 0.002;
+  const auto compact_groups = [](double width) {
+    const Lattice lattice = make_lattice(layered_turf({{0, 0.004}, {1, 0.006}}), {{width, width}, 0}, pitch);
+    const auto span = [&](const std::vector<double>& along, std::size_t first) {
+      const auto begin = along.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto [low, high] = std::minmax_element(begin, begin + 8);
+      return std::lround((*high - *low) / pitch) + 1;
+    };
+    std::size_t compact = 0;
+    const std::size_t groups = lattice.position.size() / 8;
+    for (std::size_t g = 0; g < groups; ++g)
+      compact += span(lattice.position.z, 8 * g) == 1 && span(lattice.position.x, 8 * g) <= 4 &&
+                 span(lattice.position.y, 8 * g) <= 4;
+    return static_cast<double>(compact) / static_cast<double>(groups);
+  };
+  EXPECT_EQ(compact_groups(0.032), 1) << "one tile";
+  EXPECT_GT(compact_groups(0.084), 0.99)
+      << "tiles of ten columns: a group in one corner goes on in the next row";
+  EXPECT_GT(compact_groups(0.078), 0.9) << "tiles of seven: so does one in most rows";
 }
 
 TEST(Lattice, KeepsMaterialsOfLayers) {
