@@ -52,7 +52,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-constexpr CheckpointFormat specimen_format{"specimen_format", 3};
+constexpr CheckpointFormat specimen_format{"specimen_format", 4};
 
 /// Where a run stands, beside the test at hand and its simulation.
 struct Tally {
