@@ -29,6 +29,9 @@ struct ParticleKicks {
   /// s that the coming window's kick lasts; 0: it has none. Below 0 where a period has become shorter and the
   /// last kick went too far ahead.
   std::span<const double> length;
+  /// s, of that, from when the velocity belongs to until now: what of the kick lies before the moment of its
+  /// force. Half of it in regular kicks; below 0 where the last kick went too far ahead.
+  std::span<const double> lag;
 
   [[nodiscard]] bool empty() const { return length.empty(); }
 };
@@ -128,6 +131,9 @@ class Infill {
   /// Announces the window that `advance` will make, before contact is evaluated for it. energy_wanted:
   /// energies as of its start are of use.
   virtual void begin_window(double /*window*/, int /*substeps*/, bool /*energy_wanted*/) {}
+  /// Steps between kicks of particles that have their own are chosen by a scene's `numerics.step_safety`, now
+  /// and then; in between they are shortened from this share of what is stable on.
+  static constexpr double most_of_stable_step = 0.9;
   /// Whether particles may be kicked at times of their own (ParticleView::kicks). Where they are, contact's
   /// impulse on one is its force times the length of its kick, in windows in which it has one; and
   /// `set_contact_rates` tells what steps contact bears.

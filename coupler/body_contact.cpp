@@ -117,6 +117,7 @@ void BodyContact::evaluate_kicked_pair(std::size_t pair, const ParticleView& poi
   const double before = std::min(1.0, release + (release_before - release) * since / dt);
   result = evaluate_pair(pair, points, bodies, 0, since, release, before);
   result.dt = result.weight = length;
+  result.lag = points.kicks.lag[entry];
 }
 
 void BodyContact::sum_up(std::size_t pair, double dt, Vec3Array& linear, Vec3Array* angular,
@@ -134,6 +135,7 @@ void BodyContact::sum_up(std::size_t pair, double dt, Vec3Array& linear, Vec3Arr
   linear.add(i, r.weight * r.contact.force);
   if (angular != nullptr) angular->add(i, r.arm.cross(r.contact.force * r.dt));
   sums.on_bodies.impulse[body] -= r.contact.force * r.dt;
+  sums.on_bodies.until_now[body] -= r.contact.force * r.lag;
 }
 
 void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBody>& bodies, double ahead,
@@ -157,7 +159,7 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
         evaluate_kicked_pair(g, points, bodies, dt, release, release_before);
       } else {
         results_[g] = evaluate_pair(g, points, bodies, ahead, dt, release, release_before);
-        results_[g].weight = weight, results_[g].dt = dt;
+        results_[g].weight = weight, results_[g].dt = dt, results_[g].lag = 0.5 * dt;
       }
       sum_up(g, dt, linear, angular, part_sums_[part]);
     }
@@ -168,6 +170,7 @@ void BodyContact::evaluate(const ParticleView& points, const std::vector<RigidBo
     energy_ += sums.energy;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       on_bodies.impulse[b] += sums.on_bodies.impulse[b];
+      on_bodies.until_now[b] += sums.on_bodies.until_now[b];
       on_bodies.measured[b] += sums.on_bodies.measured[b];
     }
   }

@@ -24,12 +24,15 @@ struct BodyContactSettings {
 /// Of one window, one entry a body.
 struct BodyImpulses {
   std::vector<Vec3> impulse;  ///< N s, given
+  std::vector<Vec3>
+      until_now;  ///< N s, of that, before the moment of the forces: half, but at irregular kicks
   /// N s, of forces as last found, for as long as the window is: what a gauge at the body reads. The same as
   /// `impulse` where points have no kicks of their own; else a kick may give what several windows hold.
   std::vector<Vec3> measured;
 
   void reset(std::size_t bodies) {
     impulse.assign(bodies, Vec3::Zero());
+    until_now.assign(bodies, Vec3::Zero());
     measured.assign(bodies, Vec3::Zero());
   }
 };
@@ -89,7 +92,8 @@ class BodyContact {
   /// count, with the overlap that they will have at the end of it as they close in now; before the first
   /// search, all with the most they can stiffen. `with_dashpots`: (2/omega)(sqrt(1 + zeta^2) - zeta), for the
   /// dashpot's force is taken from the velocity half a step before; and a point between several bodies feels
-  /// the springs of all, normal and tangential, in the direction in which they are stiffest together.
+  /// the springs and the dashpots of all, normal and tangential, each as in the direction in which they are
+  /// most together.
   [[nodiscard]] std::vector<double> stable_steps(const ParticleView& points,
                                                  std::span<const Approach> approaches, double horizon,
                                                  bool with_dashpots) const;
@@ -122,6 +126,7 @@ class BodyContact {
     double released = 0;
     double weight = 0;  ///< of the force, in impulses on points
     double dt = 0;      ///< s, of the force, in impulses on bodies
+    double lag = 0;     ///< s, of that, before the moment of the force
     bool touching = false;
   };
   Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
@@ -151,9 +156,10 @@ class BodyContact {
   void sum_up(std::size_t pair, double dt, Vec3Array& linear, Vec3Array* angular, Sums& sums) const;
   /// N/m, of a point's springs as far as they do not depend on pairs, see stable_steps.
   [[nodiscard]] double stiffness_apart(std::size_t point) const;
-  /// s, of a point under springs of that stiffness, see stable_steps.
-  [[nodiscard]] double step_under(double stiffness, std::size_t point, const ParticleView& points,
-                                  bool with_dashpots) const;
+  /// s, of a point under springs of that stiffness (N/m) and dashpots: their sum over 2 zeta sqrt(m), so the
+  /// root of the stiffness where there is one spring, 0 for none; see stable_steps.
+  [[nodiscard]] double step_under(double stiffness, double dashpots, std::size_t point,
+                                  const ParticleView& points) const;
   /// s, of a point that no pair is known of.
   [[nodiscard]] double step_apart(std::size_t point, const ParticleView& points, bool with_dashpots) const;
   /// take(its first pair, point, its stable step) for all near a body, on all threads.

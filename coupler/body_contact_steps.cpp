@@ -16,12 +16,26 @@ constexpr double tangential_ratio = ContactParameters{}.tangential_ratio;
 /// mass, and of a point's radius that it closes in, lies between two of them at most.
 constexpr double share_of_body = 0.1;
 
-/// N/m, the most that springs at a point have together in one direction: in each, normal springs count with
-/// the square of its cosine and tangential ones with what is left. along_normals: sum of k n n. sum: of k.
-double stiffest_way(const Eigen::Matrix3d& along_normals, double sum) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(along_normals, Eigen::EigenvaluesOnly);
-  return tangential_ratio * sum + (1 - tangential_ratio) * principal.eigenvalues().maxCoeff();
-}
+/// Springs, or dashpots, of one point that add up as they stand to each other.
+class Together {
+ public:
+  /// tangential: of a pair, over what it has along its normal.
+  explicit Together(double tangential) : tangential_(tangential) {}
+  void add(double strength, const Vec3& normal) {
+    sum_ += strength;
+    along_normals_ += strength * normal * normal.transpose();
+  }
+  /// In the direction in which they are most: along it normal ones count with the square of its cosine,
+  /// tangential ones with what is left.
+  [[nodiscard]] double most() const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(along_normals_, Eigen::EigenvaluesOnly);
+    return tangential_ * sum_ + (1 - tangential_) * principal.eigenvalues().maxCoeff();
+  }
+
+ private:
+  double tangential_, sum_ = 0;
+  Eigen::Matrix3d along_normals_ = Eigen::Matrix3d::Zero();
+};
 
 }  // namespace
 
@@ -63,17 +77,19 @@ double BodyContact::Approach::stiffness_after(double horizon) const {
   return coming > 0 ? spring->tangent(coming) : 0;
 }
 
-double BodyContact::step_under(double stiffness, std::size_t point, const ParticleView& points,
-                               bool with_dashpots) const {
+double BodyContact::step_under(double stiffness, double dashpots, std::size_t point,
+                               const ParticleView& points) const {
   if (!(stiffness > 0)) return std::numeric_limits<double>::infinity();
-  const double zeta = with_dashpots ? settings_.damping_ratio[point] : 0;
+  const double zeta = settings_.damping_ratio[point] * dashpots / std::sqrt(stiffness);
   return 2 * std::sqrt(points.mass[point] / stiffness) * (std::sqrt(1 + zeta * zeta) - zeta);
 }
 
 double BodyContact::step_apart(std::size_t point, const ParticleView& points, bool with_dashpots) const {
   // Before the first search a point may be near any three bodies, at right angles.
-  const double others = !searched_ && with_dashpots ? 2 * tangential_ratio : 0;
-  return step_under((1 + others) * stiffness_apart(point), point, points, with_dashpots);
+  const double others = !searched_ && with_dashpots ? 2 : 0, k = stiffness_apart(point);
+  return step_under((1 + others * tangential_ratio) * k,
+                    with_dashpots ? (1 + others * std::sqrt(tangential_ratio)) * std::sqrt(k) : 0, point,
+                    points);
 }
 
 template <class Take>
@@ -85,18 +101,22 @@ void BodyContact::for_near_points(const ParticleView& points, std::span<const Ap
     const Index i = key_point(keys_[first]);
     if (first > 0 && key_point(keys_[first - 1]) == i) continue;
     const auto point = static_cast<std::size_t>(i);
-    double largest = searched_ && all_stiffen_ ? 0 : stiffness_apart(point), sum = 0;
-    Eigen::Matrix3d along_normals = Eigen::Matrix3d::Zero();
+    double largest = searched_ && all_stiffen_ ? 0 : stiffness_apart(point);
+    Together springs(tangential_ratio), dashpots(std::sqrt(tangential_ratio));
     std::size_t g = first;
     for (; g < pairs && key_point(keys_[g]) == i; ++g) {
       const double k = approaches[g].stiffness_after(horizon);
-      const Vec3& normal = approaches[g].normal;
       largest = std::max(largest, k);
-      sum += k;
-      along_normals += k * normal * normal.transpose();
+      if (!with_dashpots) continue;
+      springs.add(k, approaches[g].normal);
+      dashpots.add(std::sqrt(k), approaches[g].normal);
     }
-    if (with_dashpots && g - first > 1) largest = std::max(largest, stiffest_way(along_normals, sum));
-    take(first, point, step_under(largest, point, points, with_dashpots));
+    double damping = with_dashpots ? std::sqrt(largest) : 0;
+    if (with_dashpots && g - first > 1) {
+      largest = std::max(largest, springs.most());
+      damping = std::max(damping, dashpots.most());
+    }
+    take(first, point, step_under(largest, damping, point, points));
   }
 }
 

@@ -56,21 +56,25 @@ SurfacePoint distance_to(const Ball& shape, const Vec3& relative) {
   return {distance - shape.radius, distance > 0 ? Vec3(relative / distance) : Vec3(0, 0, 1)};
 }
 
-BodyAdvance advance_body(RigidBody& body, const Vec3& impulse, const Vec3& gravity, double window) {
+BodyAdvance advance_body(RigidBody& body, const BodyPush& contact, const Vec3& gravity, double window) {
   BodyAdvance result;
+  const Vec3& impulse = contact.whole;
   const Vec3 before = body.velocity;
   if (body.is_fixed()) {
     result.impulse_taken = impulse;
     if (!body.driven) return result;
     body.velocity = body.drive;
     body.position += body.velocity * window;
-    result.external = {-0.5 * impulse.dot(before), -0.5 * impulse.dot(before + body.velocity)};
+    result.external = {-contact.until_now.dot(before), -0.5 * impulse.dot(before + body.velocity)};
     return result;
   }
   const Vec3 push = impulse / body.mass + gravity * window + body.load * (window / body.mass);
   const double resistance = 0.5 * body.guide_damping * window / body.mass;
   body.velocity += (push - 2 * resistance * before).cwiseProduct(body.freedom) / (1 + resistance);
-  result.kinetic = 0.25 * body.mass * (before.squaredNorm() + body.velocity.squaredNorm());
+  // The mean of before and after, and what the velocity then was off theirs: m (u + e/m)^2/2 with u the mean.
+  const Vec3 early = (contact.until_now - 0.5 * impulse).cwiseProduct(body.freedom);
+  result.kinetic = 0.25 * body.mass * (before.squaredNorm() + body.velocity.squaredNorm()) +
+                   early.dot(0.5 * (before + body.velocity) + 0.5 * early / body.mass);
   body.position += body.velocity * window;
   const Vec3 load = body.load.cwiseProduct(body.freedom) * window;
   const Vec3 mean = 0.5 * (before + body.velocity).cwiseProduct(body.freedom);

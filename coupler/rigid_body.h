@@ -96,13 +96,23 @@ struct BodyWork {
 /// Work and momentum of one window of a moving body.
 struct BodyAdvance {
   Vec3 impulse_taken{0, 0, 0};  ///< N s, contact impulse that changed its momentum or went into its guides
-  double kinetic = 0;           ///< J, centred at the start of the window
+  double kinetic = 0;           ///< J, at the start of the window, when contact's forces are of
   BodyWork external;            ///< of what drives or loads it
   BodyWork damped;              ///< taken by its guides
 };
 
-/// Kicks and drifts a body over one window under a contact impulse (N s), its load and gravity (m/s^2). The
-/// guides' damping acts on the mean of the velocities before and after.
-BodyAdvance advance_body(RigidBody& body, const Vec3& impulse, const Vec3& gravity, double window);
+/// What contact gives a body in a window, N s.
+struct BodyPush {
+  Vec3 whole{0, 0, 0};
+  Vec3 until_now{0, 0, 0};  ///< its part before the moment of the forces, half of it but at irregular kicks
+};
+/// A force that lasts evenly around its moment.
+[[nodiscard]] inline BodyPush even_push(const Vec3& impulse) {
+  return {impulse, 0.5 * impulse};
+}
+
+/// Kicks and drifts a body over one window under contact, its load and gravity (m/s^2). The guides' damping
+/// acts on the mean of the velocities before and after.
+BodyAdvance advance_body(RigidBody& body, const BodyPush& push, const Vec3& gravity, double window);
 
 }  // namespace tuft::coupler

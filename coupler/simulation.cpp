@@ -127,6 +127,7 @@ void Simulation::load_body(std::size_t index, const Vec3& force) {
 void Simulation::advance_interval(double interval) {
   if (parts_.separated_at_fibres) show_sheets(interval);
   if (!reference_.valid) check_candidates();  // which contacts may bound the step
+  interval_ = interval;
   look_at_bodies();
   plan_ = next_plan(interval);
   if (!carpet_frozen_) parts_.carpet->set_subcycle(plan_.carpet_subcycle);
@@ -218,7 +219,8 @@ void Simulation::advance_bodies(Vec3& taken, double& scale) {
     RigidBody& body = parts_.bodies[b];
     if (!body.present) continue;
     const double potential = body.is_fixed() ? 0 : -body.mass * parts_.gravity.dot(body.position);
-    const BodyAdvance advance = advance_body(body, body_impulses_.impulse[b], parts_.gravity, plan_.window);
+    const BodyPush push{body_impulses_.impulse[b], body_impulses_.until_now[b]};
+    const BodyAdvance advance = advance_body(body, push, parts_.gravity, plan_.window);
     body_kinetic_ += advance.kinetic;
     body_potential_ += potential;
     external_work_ += advance.external.until_now;

@@ -144,6 +144,7 @@ class Simulation {
   EnergyLedger ledger_;
   PhaseTimers timers_;
   StepPlan plan_;
+  double interval_ = 0;         ///< s, of the history, under way
   int bears_longer_steps_ = 0;  ///< intervals in a row that would bear fewer windows, see next_plan
 
   Vec3Array node_force_;

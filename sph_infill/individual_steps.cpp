@@ -65,7 +65,8 @@ IndividualSteps::IndividualSteps(int largest, double safety, std::size_t particl
   steps_since_kick_.assign(count, 0);
   due_.assign(count, strained | kicked);
   for (auto* values : {&own_rate_, &rate_, &contact_rate_}) values->assign(count, 0);
-  for (auto* values : {&since_kick_, &planned_, &since_strain_, &kick_length_}) values->assign(count, 0);
+  for (auto* values : {&since_kick_, &planned_, &since_strain_, &kick_length_, &kick_lag_})
+    values->assign(count, 0);
 }
 
 int IndividualSteps::period_of(std::size_t particle) const {
@@ -192,6 +193,7 @@ void IndividualSteps::plan_kick(std::size_t group, double dt, bool as_begun) {
   // 0 would say that there is none.
   if (std::abs(length) < 1e-9 * dt) length = 1e-9 * dt;
   kick_length_[group] = length;
+  kick_lag_[group] = velocity_lag(group);
 }
 
 void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
@@ -212,7 +214,7 @@ void IndividualSteps::begin(double dt, bool energy_wanted, bool as_begun) {
     plan_kick(g, dt, as_begun);
     kicked_particles_ += std::min(particles_, (g + 1) * group_size) - g * group_size;
   }
-  kicks_ = {group_size, since_kick_, kick_length_};
+  kicks_ = {group_size, since_kick_, kick_length_, kick_lag_};
 }
 
 void IndividualSteps::end(double dt) {

@@ -89,7 +89,7 @@ class IndividualSteps {
  private:
   static constexpr std::uint8_t strained = 1, kicked = 2;
   /// Of the stable step; a period beyond it is shortened. Stable steps are known to that factor.
-  static constexpr double most_of_step = 0.9, growth_noted = 1.05;
+  static constexpr double most_of_step = Infill::most_of_stable_step, growth_noted = 1.05;
   /// Steps after which they are chosen anew.
   static constexpr std::uint32_t chosen_every = 64;
 
@@ -112,7 +112,7 @@ class IndividualSteps {
   std::vector<std::uint8_t> due_;
   std::vector<float> own_rate_, rate_, contact_rate_;  ///< 1/s; inverse stable step of each, of all around
   std::vector<std::size_t> shortened_, stiffened_;     ///< scratch of `shorten`
-  std::vector<double> since_kick_, planned_, since_strain_, kick_length_;  ///< s
+  std::vector<double> since_kick_, planned_, since_strain_, kick_length_, kick_lag_;  ///< s
   std::uint32_t phase_ = 0, cycle_ = 1, since_chosen_ = chosen_every, since_wanted_ = 0;
   bool in_step_ = true;
   std::size_t kicked_particles_ = 0;

@@ -31,7 +31,7 @@ class OnAPlate {
     BodyImpulses on_bodies;
     on_bodies.reset(1);
     ParticleView points = view();
-    points.kicks = {1, {&since_, 1}, {&kick_, 1}};
+    points.kicks = {1, {&since_, 1}, {&kick_, 1}, {&lag_, 1}};
     contact_.evaluate(points, bodies_, 0, window, 0, 0, window, on_ball, nullptr, on_bodies);
     return on_bodies;
   }
@@ -57,7 +57,7 @@ class OnAPlate {
   BodyContact contact_;
   std::vector<RigidBody> bodies_;
   std::vector<double> zero_{0}, radii_{radius}, masses_{mass};
-  double kick_ = 0, since_ = window;
+  double kick_ = 0, since_ = window, lag_ = 0.5 * window;
 };
 
 constexpr double force = stiffness * overlap;
@@ -67,6 +67,7 @@ TEST(KicksAtABody, GiveBodyAndPointTheSameAtOnceAndAGaugeItsForceInEveryWindow) 
   const BodyImpulses kicked = ball.evaluate(2 * window);
   EXPECT_NEAR(ball.on_ball.z[0], 2 * window * force, 1e-12 * window * force);
   EXPECT_EQ(kicked.impulse[0].z(), -ball.on_ball.z[0]);
+  EXPECT_NEAR(kicked.until_now[0].z(), -0.5 * window * force, 1e-12 * window * force);
   EXPECT_NEAR(kicked.measured[0].z(), -window * force, 1e-12 * window * force);
   const BodyImpulses between = ball.evaluate(0);
   EXPECT_EQ(ball.on_ball.z[0], 0);

@@ -141,27 +141,77 @@ TEST(BodyContact, LeastStableStepIsTheLeastOfAllPoints) {
   }
 }
 
-/// A ball of 1e-5 kg pressed 0.1 mm into bodies that stand to each other as their normals do; the springs are
-/// linear.
-double stable_step_between(const std::vector<Vec3>& normals) {
-  constexpr double radius = 1e-3, overlap = 1e-4;
-  BodyContactSettings settings;
-  settings.spring = {{2e4}}, settings.damping_ratio = {0}, settings.friction = {{0.3, 0.3, 0}};
-  BodyContact contact(settings);
-  std::vector<RigidBody> bodies;
-  for (const Vec3& normal : normals) {
-    RigidBody& body = bodies.emplace_back();
-    body.shape = HalfSpace{normal};
-    body.position = (overlap - radius) * normal;
+/// A ball pressed 0.1 mm into bodies that stand to each other as their normals do; the springs are linear.
+class Pressed {
+ public:
+  static constexpr double mass = 1e-5, stiffness = 2e4, overlap = 1e-4, radius = 1e-3;
+
+  explicit Pressed(const std::vector<Vec3>& normals, double damping_ratio = 0)
+      : contact_({{{stiffness}}, {damping_ratio}, {{1e3, 1e3, 0}}}) {
+    for (const Vec3& normal : normals) {
+      RigidBody& body = bodies_.emplace_back();
+      body.shape = HalfSpace{normal};
+      body.position = (overlap - radius) * normal;
+      load_ -= stiffness * overlap * normal;
+    }
+    contact_.search(view(), bodies_, radius, false);
   }
-  const std::vector<double> zero{0}, radii{radius}, masses{1e-5};
-  ParticleView points;
-  points.x = points.y = points.z = points.vx = points.vy = points.vz = zero;
-  points.radius = radii, points.mass = masses;
-  contact.search(points, bodies, radius, false);
-  std::vector<BodyContact::Approach> approaches;
-  contact.look(points, bodies, approaches);
-  return contact.least_stable_step(points, approaches, 1e-4, true);
+  [[nodiscard]] double stable_step() const {
+    std::vector<BodyContact::Approach> approaches;
+    contact_.look(view(), bodies_, approaches);
+    return contact_.least_stable_step(view(), approaches, 1e-4, true);
+  }
+  /// How far it is off the place in which a load holds it, over how far it was pushed off, after 300 steps.
+  double swings(double step) {
+    constexpr double pushed = 1e-9;
+    position_.add(0, Vec3(pushed, 0, 0));
+    double farthest = 0;
+    for (int k = 0; k < 300; ++k) {
+      Vec3Array force;
+      force.assign(1, 0);
+      BodyImpulses on_bodies;
+      on_bodies.reset(bodies_.size());
+      contact_.evaluate(view(), bodies_, 0, step, 0, 0, 1, force, nullptr, on_bodies);
+      velocity_.add(0, step / mass * (force[0] + load_));
+      position_.add(0, step * velocity_[0]);
+      if (k >= 250) farthest = std::max(farthest, position_[0].norm());
+    }
+    return farthest / pushed;
+  }
+
+ private:
+  [[nodiscard]] ParticleView view() const {
+    ParticleView points;
+    points.x = position_.x, points.y = position_.y, points.z = position_.z;
+    points.vx = velocity_.x, points.vy = velocity_.y, points.vz = velocity_.z;
+    points.radius = radii_, points.mass = masses_;
+    return points;
+  }
+  BodyContact contact_;
+  std::vector<RigidBody> bodies_;
+  Vec3 load_{0, 0, 0};  ///< N
+  Vec3Array position_ = still(), velocity_ = still();
+  std::vector<double> radii_{radius}, masses_{mass};
+  static Vec3Array still() {
+    Vec3Array one;
+    one.assign(1, 0);
+    return one;
+  }
+};
+
+double stable_step_between(const std::vector<Vec3>& normals) {
+  return Pressed(normals).stable_step();
+}
+
+TEST(BodyContact, BearsTheStableStepBetweenBodiesWithTheirDashpotsAndNoLongerOne) {
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  const std::vector<std::vector<Vec3>> arrangements{{x}, {x, z}, {x, y, z}, {x, -x}};
+  for (const double damping_ratio : {0.0, 0.2, 0.5})
+    for (const std::vector<Vec3>& normals : arrangements) {
+      const double step = Pressed(normals, damping_ratio).stable_step();
+      EXPECT_LT(Pressed(normals, damping_ratio).swings(0.98 * step), 10) << damping_ratio << normals.size();
+      EXPECT_GT(Pressed(normals, damping_ratio).swings(1.02 * step), 100) << damping_ratio << normals.size();
+    }
 }
 
 TEST(BodyContact, StableStepBetweenBodiesIsThatOfTheStiffestDirection) {

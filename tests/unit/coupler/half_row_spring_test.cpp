@@ -142,7 +142,8 @@ class PointAboveFloor : public testing::Test {
   /// is kicked for `length` (s), `since` (s) after the last time.
   std::array<double, 2> impulses_of_kick(double since, double length) {
     ParticleView points = view();
-    points.kicks = {1, std::span(&since, 1), std::span(&length, 1)};
+    const double lag = 0.5 * length;
+    points.kicks = {1, std::span(&since, 1), std::span(&length, 1), std::span(&lag, 1)};
     Vec3Array linear;
     linear.assign(1, 0);
     BodyImpulses on_bodies;

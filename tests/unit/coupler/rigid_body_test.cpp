@@ -79,12 +79,12 @@ TEST(RigidBody, DrivenMovesAtItsSpeedAndBooksTheWorkAgainstContact) {
   body.driven = true;
   body.drive = Vec3(0, 0, -0.2);
   const double dt = 1e-5;
-  const BodyAdvance first = advance_body(body, Vec3(0, 0, 3e-3), Vec3(0, 0, -9.81), dt);
+  const BodyAdvance first = advance_body(body, even_push(Vec3(0, 0, 3e-3)), Vec3(0, 0, -9.81), dt);
   EXPECT_EQ(body.velocity.z(), -0.2);
   EXPECT_NEAR(body.position.z(), -0.2 * dt, 1e-20);
   EXPECT_NEAR(first.external.whole, 0.5 * 3e-3 * 0.2, 1e-18) << "the mean of rest and full speed";
   EXPECT_EQ(first.external.until_now, 0);
-  const BodyAdvance second = advance_body(body, Vec3(0, 0, 3e-3), Vec3(0, 0, -9.81), dt);
+  const BodyAdvance second = advance_body(body, even_push(Vec3(0, 0, 3e-3)), Vec3(0, 0, -9.81), dt);
   EXPECT_NEAR(second.external.whole, 3e-3 * 0.2, 1e-18);
   EXPECT_NEAR(second.external.until_now, 0.5 * second.external.whole, 1e-18);
   EXPECT_EQ((second.impulse_taken - Vec3(0, 0, 3e-3)).norm(), 0);
@@ -100,7 +100,7 @@ TEST(RigidBody, LoadedAndDampedOnASpringComesToRestWhereTheyBalanceAndKeepsItsBo
   double work = 0, damped = 0;
   for (int i = 0; i < 4000; ++i) {
     const BodyAdvance a =
-        advance_body(body, Vec3(0, 0, -stiffness * body.position.z() * dt), Vec3::Zero(), dt);
+        advance_body(body, even_push(Vec3(0, 0, -stiffness * body.position.z() * dt)), Vec3::Zero(), dt);
     work += a.external.whole;
     damped += a.damped.whole;
     EXPECT_LT(
@@ -112,13 +112,32 @@ TEST(RigidBody, LoadedAndDampedOnASpringComesToRestWhereTheyBalanceAndKeepsItsBo
   EXPECT_NEAR(damped, 0.5 * work, 1e-4 * work) << "the other half is in the spring";
 }
 
+TEST(RigidBody, HasItsEnergyOfTheMomentOfAForceThatLastsUnevenlyAroundIt) {
+  RigidBody body;
+  body.mass = 2;
+  body.freedom = Vec3(0, 0, 1);
+  body.velocity = Vec3(0, 0, -3);
+  // 600 N from 1 ms before the moment until 3 ms after it.
+  const double lag = 1e-3, length = 4e-3;
+  const Vec3 force(50, 0, 600);
+  const BodyAdvance a = advance_body(body, {length * force, lag * force}, Vec3::Zero(), 1e-3);
+  const double then = -3 + 600 * lag / 2, half_a_kick = 0.5 * 600 * length / 2;
+  EXPECT_NEAR(a.kinetic, 0.5 * 2 * (then * then + half_a_kick * half_a_kick), 1e-12)
+      << "with the square of half the change, as at even kicks";
+  RigidBody driven;
+  driven.driven = true;
+  driven.velocity = driven.drive = Vec3(0, 0, -3);
+  EXPECT_NEAR(advance_body(driven, {length * force, lag * force}, Vec3::Zero(), 1e-3).external.until_now,
+              3 * 600 * lag, 1e-12);
+}
+
 TEST(RigidBody, FreeFallFollowsTheParabola) {
   RigidBody body;
   body.mass = 2.25;
   body.freedom = Vec3(0, 0, 1);
   const double dt = 1e-4;
   body.velocity = Vec3(0, 0, 9.81 * dt / 2);  // half a step before rest
-  for (int i = 0; i < 1000; ++i) advance_body(body, Vec3::Zero(), Vec3(0, 0, -9.81), dt);
+  for (int i = 0; i < 1000; ++i) advance_body(body, {}, Vec3(0, 0, -9.81), dt);
   EXPECT_NEAR(body.position.z(), -0.5 * 9.81 * 0.1 * 0.1, 1e-12);
 }
 
@@ -128,7 +147,7 @@ TEST(RigidBody, TakesExactlyTheImpulseItIsGiven) {
   body.freedom = Vec3(0, 0, 1);
   body.velocity = Vec3(0, 0, -2.85);
   const Vec3 impulse(0.3, -0.1, 1.7);
-  const BodyAdvance a = advance_body(body, impulse, Vec3(0, 0, -9.81), 1e-5);
+  const BodyAdvance a = advance_body(body, even_push(impulse), Vec3(0, 0, -9.81), 1e-5);
   EXPECT_LT((a.impulse_taken - impulse).norm(), 1e-14)
       << "free directions by momentum, held ones by the guides";
   EXPECT_EQ(body.velocity.x(), 0);

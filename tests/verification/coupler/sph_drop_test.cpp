@@ -150,6 +150,11 @@ TEST(SphDrop, GivesTheSameBitsWithOneAndTwoThreads) {
 const Overrides individual_steps{
     {"effects.fibres", "false"}, {"numerics.individual_steps", "16"}, {"scene.duration", "12 ms"}};
 
+/// Of energy, by entry of the ledger.
+std::vector<double> error_of(const std::string& name) {
+  return h5::File::open(folder_of(name) / "run.h5").root().open_group("energy").read_doubles("error");
+}
+
 /// Root mean square of second differences.
 double roughness(const std::vector<double>& curve) {
   double sum = 0;
@@ -180,6 +185,17 @@ TEST(SphDrop, WithIndividualStepsHasTheSamePeakAndBalancesForFewerParticleSteps)
   EXPECT_LT(roughness(of_own), 1.1 * roughness(of_one));
 }
 
+TEST(SphDrop, WithIndividualStepsKeepsItsBooksWhereKicksAreCutShort) {
+  // Rows of 60 us and kicks of up to four windows seldom meet: some are cut short, to have energies of one
+  // moment, and then the missile's kick lies unevenly around it. Were its energy that of even kicks, the
+  // error would jump by 7e-4, 8e-5 rms.
+  Overrides odd = individual_steps;
+  odd[1].second = "4";
+  odd.push_back({"output.histories", "60 us"});
+  drop("cut-short", odd);
+  EXPECT_LT(roughness(error_of("cut-short")), 4e-5);
+}
+
 TEST(SphDrop, WithIndividualStepsGivesTheSameBitsOnOneThreadAndResumed) {
   const auto with = [](const char* threads) {
     Overrides overrides = individual_steps;
@@ -202,6 +218,7 @@ TEST(SphDrop, WithIndividualStepsGivesTheSameBitsOnOneThreadAndResumed) {
     EXPECT_EQ(history("own-two", column), history("own-one", column)) << column;
     EXPECT_EQ(history("own-two", column), history("own-resumed", column)) << column;
   }
+  EXPECT_EQ(error_of("own-two"), error_of("own-resumed"));
 }
 
 TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
@@ -218,10 +235,7 @@ TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
   ASSERT_EQ(resumed.status, "completed") << resumed.error;
   for (const char* column : {"time", "velocity", "acceleration", "acceleration_filtered", "penetration"})
     EXPECT_EQ(history("through", column), history("resumed", column)) << column;
-  const auto error = [](const std::string& name) {
-    return h5::File::open(folder_of(name) / "run.h5").root().open_group("energy").read_doubles("error");
-  };
-  EXPECT_EQ(error("through"), error("resumed"));
+  EXPECT_EQ(error_of("through"), error_of("resumed"));
 }
 
 }  // namespace
