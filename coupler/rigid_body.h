@@ -106,10 +106,6 @@ struct BodyPush {
   Vec3 whole{0, 0, 0};
   Vec3 until_now{0, 0, 0};  ///< its part before the moment of the forces, half of it but at irregular kicks
 };
-/// A force that lasts evenly around its moment.
-[[nodiscard]] inline BodyPush even_push(const Vec3& impulse) {
-  return {impulse, 0.5 * impulse};
-}
 
 /// Kicks and drifts a body over one window under contact, its load and gravity (m/s^2). The guides' damping
 /// acts on the mean of the velocities before and after.

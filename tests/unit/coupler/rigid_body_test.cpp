@@ -74,6 +74,11 @@ TEST(RoundDistances, AreFromAxisAndCentreAndNormalsPointOutwards) {
   EXPECT_NEAR((inside.normal - Vec3(2, -1, 2) / 3).norm(), 0, 1e-15);
 }
 
+/// Of a force that lasts evenly around its moment.
+BodyPush even_push(const Vec3& impulse) {
+  return {impulse, 0.5 * impulse};
+}
+
 TEST(RigidBody, DrivenMovesAtItsSpeedAndBooksTheWorkAgainstContact) {
   RigidBody body;
   body.driven = true;
