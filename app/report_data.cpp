@@ -65,9 +65,9 @@ RunData read_run(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / "run.h5", ignored)) {
     try {
       read_records(run);
-    } catch (const RunError&) {
-      // A run that died while its file was being made has a summary and no readable records: the report shows
-      // the summary.
+    } catch (const RunError& error) {
+      // As of a run that died while its file was being made: the report shows the summary, and says so.
+      run.unreadable = error.what();
     }
   }
   if (!run.scene && std::filesystem::exists(folder / "scene.toml", ignored))

@@ -54,6 +54,9 @@ std::string describe_states(const Runs& runs) {
         format_duration(run.summary.wall_s));
     if (!run.summary.error.empty())
       text += fmt::format("<br><span class=\"error\">{}</span>", escape_html(run.summary.error));
+    if (!run.unreadable.empty())
+      text += fmt::format("<br><span class=\"error\">No curves and frames: {}</span>",
+                          escape_html(run.unreadable));
     text += "</p>\n";
   }
   return text;

@@ -229,6 +229,16 @@ TEST(Report, TellsRunsOfOneApproachApartByTheirFolders) {
   EXPECT_NE(page.find("SPH · coarse"), std::string::npos);
 }
 
+TEST(Report, SaysOfRecordsThatCannotBeReadThatTheyAreMissing) {
+  const test::TemporaryFolder folder;
+  test::write_fake_run(folder.path(), short_run(Approach::sph));
+  write_report({folder.path()}, folder.path() / "report.html");
+  EXPECT_EQ(read_file(folder.path() / "report.html").find("No curves and frames"), std::string::npos);
+  std::ofstream(folder.path() / "run.h5") << "not what it was";
+  write_report({folder.path()}, folder.path() / "report.html");
+  EXPECT_NE(read_file(folder.path() / "report.html").find("No curves and frames: "), std::string::npos);
+}
+
 TEST(Report, OfAFolderWithoutARunIsTheUsersMistake) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(write_report({folder.path()}, folder.path() / "report.html"), InputError);
