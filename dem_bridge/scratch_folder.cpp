@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <system_error>
 
@@ -18,6 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* prefix = "tuft-dem-";
+/// s after which a folder without a lock is not one that is being made, which takes microseconds: its maker
+/// was killed in them. One that was only kept waiting finds it swept, and makes another.
+constexpr std::time_t being_made = 2;
+constexpr int attempts = 3;
 
 /// Takes the lock that a file is, without waiting; -1 when someone holds it or there is no such file.
 int take_lock(const fs::path& file, int flags = 0) {
@@ -54,7 +59,7 @@ void remove_folder(const fs::path& folder) {
 }
 
 /// The kernel lets go of a lock when its holder dies, so a folder whose lock is free belongs to nobody. A
-/// folder without a lock file may be one that is being made just now: it is left alone.
+/// folder without a lock file may be one that is being made just now: it is left alone for a while.
 void remove_stale_folders(const fs::path& temporary) {
   std::error_code ignored;
   for (const auto& entry :
@@ -64,10 +69,12 @@ void remove_stale_folders(const fs::path& temporary) {
     if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
         status.st_uid != ::getuid())
       continue;
-    const int lock = take_lock(entry.path() / "lock");
-    if (lock < 0) continue;
+    const fs::path lock_file = entry.path() / "lock";
+    const int lock = take_lock(lock_file);
+    if (lock < 0 && (fs::exists(lock_file, ignored) || std::time(nullptr) - status.st_mtime <= being_made))
+      continue;
     remove_folder(entry.path());
-    ::close(lock);
+    if (lock >= 0) ::close(lock);
   }
 }
 
@@ -79,15 +86,19 @@ ScratchFolder::ScratchFolder() {
   // A socket's path holds 107 characters at most; a deep TMPDIR would not fit.
   if (failure || temporary.string().size() > 80) temporary = "/tmp";
   remove_stale_folders(temporary);
-  std::string pattern = (temporary / (std::string(prefix) + "XXXXXX")).string();
-  if (::mkdtemp(pattern.data()) == nullptr)
-    throw_run_error("no folder can be made in {}: {}; set TMPDIR to a folder that can be written",
-                    temporary.string(), std::strerror(errno));
-  path_ = pattern;
-  lock_ = place_lock(path_);
-  if (lock_ >= 0) return;
-  const int reason = errno;
-  remove_folder(path_);
+  int reason = 0;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    std::string pattern = (temporary / (std::string(prefix) + "XXXXXX")).string();
+    if (::mkdtemp(pattern.data()) == nullptr)
+      throw_run_error("no folder can be made in {}: {}; set TMPDIR to a folder that can be written",
+                      temporary.string(), std::strerror(errno));
+    path_ = pattern;
+    lock_ = place_lock(path_);
+    if (lock_ >= 0) return;
+    reason = errno;
+    remove_folder(path_);
+    if (reason != ENOENT) break;
+  }
   throw_run_error("{} cannot be locked: {}; set TMPDIR to a folder on a local disk", path_.string(),
                   std::strerror(reason));
 }

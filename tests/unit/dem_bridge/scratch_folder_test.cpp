@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -47,6 +48,16 @@ TEST(ScratchFolder, SweepsAFolderWhoseLockNobodyHolds) {
   fs::create_directory(left);
   std::ofstream(left / "lock").close();
   std::ofstream(left / "restart").close();
+  { const ScratchFolder next; }
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST(ScratchFolder, SweepsAFolderWithoutALockOnceItCannotBeOneThatIsBeingMade) {
+  const fs::path left = fs::temp_directory_path() / ("tuft-dem-bare-" + std::to_string(::getpid()));
+  fs::create_directory(left);
+  { const ScratchFolder next; }
+  EXPECT_TRUE(fs::exists(left)) << "its maker may be about to place the lock";
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::seconds(10));
   { const ScratchFolder next; }
   EXPECT_FALSE(fs::exists(left));
 }
