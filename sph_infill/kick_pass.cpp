@@ -122,6 +122,10 @@ KickSums kick_block(const KernelType kernel, const LoopSettings& settings, const
       kick.duration = steps->kick_length(group);
       kick.share_before = 2 * steps->velocity_lag(group) / kick.duration;
     }
+    if constexpr (Chosen::controlled)
+      prefetch_records(list, group, p.motion, p.stress, p.residual);
+    else
+      prefetch_records(list, group, p.motion, p.stress);
     const GroupForces forces = sum_pair_forces<Chosen>(kernel, list, p, group);
     for (std::size_t k = 0, i = first; k < packs_of_single && i < end; ++k, i += lanes) {
       const std::size_t count = std::min(lanes, end - i);

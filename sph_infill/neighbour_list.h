@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/lanes.h"
+#include "core/prefetch.h"
 #include "sph_infill/separated_pairs.h"
 
 namespace tuft::sph {
@@ -116,6 +117,25 @@ class NeighbourList {
     const std::size_t k = g % groups_per_block;
     return std::span(block.near).subspan(block.near_begin[k], block.near_begin[k + 1] - block.near_begin[k]);
   }
+  /// Groups that this group reads and, when the rows were made, few before it had read: what is worth asking
+  /// for ahead of its turn. It depends on which thread made them, and no result does on it.
+  [[nodiscard]] std::span<const Index> groups_first_read(std::size_t g) const {
+    const Block& block = blocks_[g / groups_per_block];
+    const std::size_t k = g % groups_per_block;
+    return std::span(block.first_read)
+        .subspan(block.first_read_begin[k], block.first_read_begin[k + 1] - block.first_read_begin[k]);
+  }
+  /// Called for group after group, asks for the rows of the block that comes next.
+  [[gnu::always_inline]] inline void prefetch_rows_behind(std::size_t g) const {
+    const std::size_t k = g % groups_per_block, next = g / groups_per_block + 1;
+    if (next >= blocks_.size()) return;
+    const Block& block = blocks_[next];
+    if (k == 4) prefetch(&block, sizeof block);
+    if (k == 16) {  // by then it has come, and says where its rows are; processors foresee the rest of them
+      prefetch(block.entries.data(), 2 * group_size * group_size * sizeof(RowEntry));
+      prefetch(block.first_read.data(), block.first_read.size() * sizeof(Index));
+    }
+  }
   /// Neighbours of particle i, for tests and reports.
   [[nodiscard]] std::vector<Index> row(std::size_t i) const;
 
@@ -123,10 +143,10 @@ class NeighbourList {
   static constexpr std::size_t groups_per_block = block_size / group_size;
   /// Rows of some groups, stored apart so that threads build them without waiting for each other.
   struct Block {
-    std::array<std::uint32_t, groups_per_block + 1> begin{}, near_begin{};
+    std::array<std::uint32_t, groups_per_block + 1> begin{}, near_begin{}, first_read_begin{};
     std::uint32_t made = 0;  ///< the `begin` it belongs to
     std::vector<RowEntry> entries;
-    std::vector<Index> near;
+    std::vector<Index> near, first_read;
   };
   /// What one thread needs to make rows.
   struct Scratch;
@@ -168,6 +188,7 @@ class NeighbourList {
                     Scratch& scratch) const;
   void drop_separated(std::size_t begin, std::size_t end, Scratch& scratch) const;
   static void lay_side_by_side(std::size_t begin, std::size_t end, Scratch& scratch);
+  void note_first_reads(Block& block, Scratch& scratch) const;
 
   double support_ = 0, skin_ = 0, next_skin_ = 0, reach_ = 0;
   std::array<double, 3> cell_size_{1, 1, 1};  ///< m

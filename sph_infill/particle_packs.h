@@ -36,6 +36,25 @@ auto with_kernel(const SphOptions& options, Body&& body) {
   return entries;
 }
 
+/// Loops over groups ask for what a group's rows read of others so many groups before its turn: half a
+/// microsecond, several times what memory takes to answer.
+inline constexpr std::size_t groups_ahead = 2;
+
+/// Called in the turn of `group`, asks for records that the rows of the group after next read: neighbours
+/// come in no order that processors foresee. Without, a bed that caches do not hold costs half as much again
+/// a particle as one that they do; with, a tenth.
+template <class... Record>
+[[gnu::always_inline]] inline void prefetch_records(const NeighbourList& list, std::size_t group,
+                                                    const std::vector<Record>&... records) {
+  list.prefetch_rows_behind(group);
+  const std::size_t ahead = group + groups_ahead, count = std::min({records.size()...});
+  if (ahead * group_size >= count) return;
+  for (const Index other : list.groups_first_read(ahead)) {
+    const std::size_t first = static_cast<std::size_t>(other) * group_size;
+    (prefetch(records.data() + first, group_size * sizeof(Record)), ...);
+  }
+}
+
 /// Where the records of some particles lie, a lane each.
 class RecordPlaces {
  public:
