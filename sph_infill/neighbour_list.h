@@ -114,16 +114,13 @@ class NeighbourList {
   /// one. Pairs that are separated count.
   [[nodiscard]] std::span<const Index> groups_near(std::size_t g) const {
     const Block& block = blocks_[g / groups_per_block];
-    const std::size_t k = g % groups_per_block;
-    return std::span(block.near).subspan(block.near_begin[k], block.near_begin[k + 1] - block.near_begin[k]);
+    return of_group(block.near, block.near_begin, g);
   }
-  /// Groups that this group reads and, when the rows were made, few before it had read: what is worth asking
-  /// for ahead of its turn. It depends on which thread made them, and no result does on it.
+  /// Groups that this group reads and no group before it had, of its block and the three that its thread had
+  /// made before: what is worth asking for ahead of its turn. No result depends on it.
   [[nodiscard]] std::span<const Index> groups_first_read(std::size_t g) const {
     const Block& block = blocks_[g / groups_per_block];
-    const std::size_t k = g % groups_per_block;
-    return std::span(block.first_read)
-        .subspan(block.first_read_begin[k], block.first_read_begin[k + 1] - block.first_read_begin[k]);
+    return of_group(block.first_read, block.first_read_begin, g);
   }
   /// Called for group after group, asks for the rows of the block that comes next.
   [[gnu::always_inline]] inline void prefetch_rows_behind(std::size_t g) const {
@@ -141,9 +138,15 @@ class NeighbourList {
 
  private:
   static constexpr std::size_t groups_per_block = block_size / group_size;
+  using GroupBegins = std::array<std::uint32_t, groups_per_block + 1>;
+  static std::span<const Index> of_group(const std::vector<Index>& of_block, const GroupBegins& begin,
+                                         std::size_t g) {
+    const std::size_t k = g % groups_per_block;
+    return std::span(of_block).subspan(begin[k], begin[k + 1] - begin[k]);
+  }
   /// Rows of some groups, stored apart so that threads build them without waiting for each other.
   struct Block {
-    std::array<std::uint32_t, groups_per_block + 1> begin{}, near_begin{}, first_read_begin{};
+    GroupBegins begin{}, near_begin{}, first_read_begin{};
     std::uint32_t made = 0;  ///< the `begin` it belongs to
     std::vector<RowEntry> entries;
     std::vector<Index> near, first_read;

@@ -153,7 +153,7 @@ struct NeighbourList::Scratch {
   std::array<std::size_t, group_size> length{};
   std::vector<RowEntry> entries;  ///< of a block
   std::vector<Index> near;        ///< likewise, groups with which a group has pairs
-  std::array<std::uint32_t, groups_per_block + 1> near_begin{};
+  GroupBegins near_begin{};
   std::vector<Index> first_read;  ///< likewise, see groups_first_read
   /// By group, the last block that read it, counted as this thread makes them.
   std::vector<std::uint32_t> last_read;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/prefetch.h"
 #include "dem_bridge/host/engine_impl.h"
 #include "dem_bridge/host/kick.h"
 
@@ -95,9 +96,9 @@ bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
   for (std::size_t i = 0; i < place.size(); ++i) {
     if (i + ahead < place.size() && place[i + ahead] >= 0) {
       const std::ptrdiff_t next = 3 * static_cast<std::ptrdiff_t>(place[i + ahead]);
-      __builtin_prefetch(positions + next);
-      __builtin_prefetch(velocities + next);
-      __builtin_prefetch(spins + next);
+      prefetch(positions + next, sizeof(double));
+      prefetch(velocities + next, sizeof(double));
+      prefetch(spins + next, sizeof(double));
     }
     if (place[i] < 0) continue;
     const std::ptrdiff_t row = 3 * static_cast<std::ptrdiff_t>(place[i]);
