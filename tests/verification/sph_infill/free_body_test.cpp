@@ -1,6 +1,8 @@
 /// Bodies that touch nothing keep their shape, spin and energy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/verification/sph_infill/cases/free_bodies.h"
 
 namespace tuft::sph {
@@ -10,9 +12,12 @@ class FreeBody : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, FreeBody, testing::Values(test::Preset::accurate, test::Preset::paper));
 
 TEST_P(FreeBody, ASlabInFreeFallKeepsItsShapeToRounding) {
+  double worst = 0;
   for (const double zeta : {0.0, 0.05})
     for (const bool cohesion : {true, false})
-      EXPECT_LT(test::falling_slab({GetParam(), 0.3, zeta}, 2, cohesion), 1e-9);
+      worst = std::max(worst, test::falling_slab({GetParam(), 0.3, zeta}, 2, cohesion));
+  RecordProperty("worst_over_pitch", testing::PrintToString(worst));
+  EXPECT_LT(worst, 1e-9);
 }
 
 /// With its rim at a twentieth of the speed of sound, which stretches it by a thousandth.
