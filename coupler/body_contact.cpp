@@ -72,7 +72,7 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   const RigidBody& body = bodies[key_other(keys_[pair])];
   const ContactParameters parameters{spring_of(i, body), settings_.damping_ratio[i], tangential_ratio,
                                      friction_of(i, body)};
-  const SurfacePoint surface = body.surface_from(points.position(i), ahead);
+  const SurfacePoint surface = surface_of(body, points, static_cast<std::size_t>(i), ahead);
   const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
   const double overlap = radius - surface.distance;
   ContactKinematics kinematics;
@@ -95,8 +95,8 @@ BodyContact::Result BodyContact::evaluate_pair(std::size_t pair, const ParticleV
   return result;
 }
 
-double BodyContact::overlap_of(Index point, const RigidBody& body, const ParticleView& points) {
-  const SurfacePoint surface = body.surface_from(points.position(point));
+double BodyContact::overlap_of(Index point, const RigidBody& body, const ParticleView& points) const {
+  const SurfacePoint surface = surface_of(body, points, static_cast<std::size_t>(point));
   return points.radius_along(static_cast<std::size_t>(point), surface.normal) - surface.distance;
 }
 

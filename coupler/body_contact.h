@@ -19,6 +19,9 @@ struct BodyContactSettings {
   std::vector<NormalSpring> wall_spring{};
   /// Per point, against bodies whose surface is the carpet's; empty: `friction`.
   std::vector<FrictionLaw> carpet_friction{};
+  /// Of a point's radius, that edges of upright cylinders are rounded by for it (docs/theory/contact.md): 1
+  /// for particles of a continuum.
+  double rim_over_radius = 0;
 };
 
 /// Of one window, one entry a body.
@@ -132,7 +135,12 @@ class BodyContact {
   Result evaluate_pair(std::size_t pair, const ParticleView& points, const std::vector<RigidBody>& bodies,
                        double ahead, double dt, double release, double release_before);
   /// m, of a point where it stands.
-  static double overlap_of(Index point, const RigidBody& body, const ParticleView& points);
+  [[nodiscard]] double overlap_of(Index point, const RigidBody& body, const ParticleView& points) const;
+  /// As a point sees it, `ahead` (s) from now.
+  [[nodiscard]] SurfacePoint surface_of(const RigidBody& body, const ParticleView& points, std::size_t point,
+                                        double ahead = 0) const {
+    return body.surface_from(points.position(point), ahead, settings_.rim_over_radius * points.radius[point]);
+  }
   [[nodiscard]] const NormalSpring& spring_of(Index point, const RigidBody& body) const {
     const auto i = static_cast<std::size_t>(point);
     return settings_.wall_spring.empty() || !body.is_upright_wall() ? settings_.spring[i]

@@ -62,7 +62,7 @@ void BodyContact::look(const ParticleView& points, const std::vector<RigidBody>&
     // A constant spring at the only body near, one at rest, is all that counts.
     const bool alone = !is_of_next(g) && (g == 0 || !is_of_next(g - 1));
     if (alone && !(approaches[g].spring->stiffening > 0) && !body.can_move()) continue;
-    const SurfacePoint surface = body.surface_from(points.position(i));
+    const SurfacePoint surface = surface_of(body, points, static_cast<std::size_t>(i));
     const double radius = points.radius_along(static_cast<std::size_t>(i), surface.normal);
     approaches[g].normal = surface.normal;
     approaches[g].overlap = radius - surface.distance;

@@ -287,8 +287,11 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
   parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
-                         contact.damping_ratio, contact.body_friction,
-                         wall_springs(scene, request.effects, particles), contact.fibre_friction};
+                         contact.damping_ratio,
+                         contact.body_friction,
+                         wall_springs(scene, request.effects, particles),
+                         contact.fibre_friction,
+                         scene.infill.approach == Approach::sph ? 1.0 : 0.0};
 
   const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
   for (const double k : node_stiffness)

@@ -55,8 +55,20 @@ void measure_densities(const std::vector<double>& ratio, std::span<const Index> 
 
 }  // namespace
 
+/// As given, but that presets which name a ratio of smoothing length to spacing keep it as whole numbers of
+/// rows and columns make the spacing: else results would drift with the pitch until the next row, and jump
+/// back.
+SphOptions bed_options(const Scene& scene) {
+  SphOptions options = scene.infill.sph;
+  const bool by_ratio = options.preset == "accurate" || options.preset == "fast";
+  if (by_ratio && !scene.turf.layers.empty())
+    options.smoothing_length *=
+        sph::mean_spacing(scene.turf, lattice_box(scene), options.pitch) / options.pitch;
+  return options;
+}
+
 sph::Lattice scene_lattice(const Scene& scene) {
-  sph::Lattice lattice = sph::make_lattice(scene.turf, lattice_box(scene), scene.infill.sph.pitch);
+  sph::Lattice lattice = sph::make_bed(scene.turf, lattice_box(scene), bed_options(scene));
   // Where spheres press the bed its rows are gone, and particles touch as the cubes that the spheres stand
   // for.
   if (scene.conditioning.on()) lattice.radius.clear(), lattice.half_height.clear();
@@ -71,7 +83,7 @@ sph::TurfBox turf_box(const Scene& scene) {
 }
 
 sph::SphSettings sph_settings(const Scene& scene, const std::vector<EffectDecision>& effects) {
-  return {scene.infill.sph,
+  return {bed_options(scene),
           Vec3(0, 0, -9.81),
           effect_on(effects, "artificial_viscosity"),
           effect_on(effects, "tension_cutoff"),

@@ -9,21 +9,24 @@ SurfacePoint distance_to(const HalfSpace& shape, const Vec3& relative) {
   return {shape.normal.dot(relative), shape.normal};
 }
 
-SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative) {
+SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative, double rim) {
   const double across = std::hypot(relative.x(), relative.y());
   const Vec3 radial = across > 0 ? Vec3(relative.x() / across, relative.y() / across, 0) : Vec3(1, 0, 0);
-  const double beyond_side = across - shape.radius;
-  const double below = -relative.z(), above = relative.z() - shape.height;
-  const double beyond_end = std::max(below, above);
-  const Vec3 axial(0, 0, below >= above ? -1.0 : 1.0);
-  if (beyond_side <= 0 && beyond_end <= 0) {
-    if (beyond_side > beyond_end) return {beyond_side, radial};
-    return {beyond_end, axial};
+  // From the cylinder that is smaller by the rim at side and foot; `above` alone is not.
+  const double above = relative.z() - shape.height, foot = rim - relative.z();
+  const double side = across - shape.radius + rim;
+  if (above > foot) {
+    const double beyond_side = across - shape.radius;
+    if (above <= 0 || beyond_side <= 0)
+      return above > beyond_side ? SurfacePoint{above, Vec3(0, 0, 1)} : SurfacePoint{beyond_side, radial};
+    const double distance = std::hypot(beyond_side, above);
+    return {distance, (beyond_side * radial + Vec3(0, 0, above)) / distance};
   }
-  if (beyond_side <= 0) return {beyond_end, axial};
-  if (beyond_end <= 0) return {beyond_side, radial};
-  const double distance = std::hypot(beyond_side, beyond_end);
-  return {distance, (beyond_side * radial + beyond_end * axial) / distance};
+  const Vec3 down(0, 0, -1);
+  if (side <= 0 || foot <= 0)
+    return foot >= side ? SurfacePoint{foot - rim, down} : SurfacePoint{side - rim, radial};
+  const double distance = std::hypot(side, foot);
+  return {distance - rim, (side * radial + foot * down) / distance};
 }
 
 SurfacePoint distance_to(const Bore& shape, const Vec3& relative) {

@@ -51,7 +51,8 @@ struct SurfacePoint {
 
 /// Signed distance of a point given relative to the body's position, and the outward normal there.
 [[nodiscard]] SurfacePoint distance_to(const HalfSpace& shape, const Vec3& relative);
-[[nodiscard]] SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative);
+/// rim: m, radius that its lower edge is rounded by, within the cylinder; at most its radius and height.
+[[nodiscard]] SurfacePoint distance_to(const Cylinder& shape, const Vec3& relative, double rim = 0);
 [[nodiscard]] SurfacePoint distance_to(const Bore& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const Block& shape, const Vec3& relative);
 [[nodiscard]] SurfacePoint distance_to(const LyingCylinder& shape, const Vec3& relative);
@@ -81,9 +82,11 @@ struct RigidBody {
     return plane != nullptr ? plane->normal.z() == 0 : std::holds_alternative<Bore>(shape);
   }
   [[nodiscard]] double inverse_mass() const { return is_fixed() ? 0.0 : 1.0 / mass; }
-  /// Of its surface, seen from a point (m), where it will be in `ahead` (s).
-  [[nodiscard]] SurfacePoint surface_from(const Vec3& point, double ahead = 0) const {
+  /// Of its surface, seen from a point (m), where it will be in `ahead` (s). rim: m, rounds a cylinder's
+  /// lower edge.
+  [[nodiscard]] SurfacePoint surface_from(const Vec3& point, double ahead = 0, double rim = 0) const {
     const Vec3 relative = point - position - ahead * velocity;
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return distance_to(*cylinder, relative, rim);
     return std::visit([&](const auto& of) { return distance_to(of, relative); }, shape);
   }
 };

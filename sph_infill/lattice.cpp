@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "sph_infill/row_shares.h"
 #include "sph_infill/sph_infill.h"
 
 namespace tuft::sph {
@@ -33,9 +34,14 @@ std::vector<LayerRows> divide_layers(const Turf& turf, double floor, double pitc
   return rows;
 }
 
-}  // namespace
+/// How a box is divided.
+struct Cells {
+  std::vector<LayerRows> layers;
+  std::array<long, 2> count;      ///< in x and y
+  std::array<double, 2> spacing;  ///< m
+};
 
-Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
+Cells divide_box(const Turf& turf, const LatticeBox& box, double pitch) {
   if (!(pitch > 0) || !std::isfinite(pitch))
     throw_input_error("infill.sph.pitch is {} m; it must be above 0", pitch);
   for (const double side : box.size)
@@ -43,9 +49,37 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
       throw_input_error("turf.size: a side of {} m is shorter than the SPH pitch of {} m", side, pitch);
   if (turf.layers.empty()) throw_input_error("turf.layers is empty; SPH infill needs at least one layer");
 
-  const std::vector<LayerRows> rows = divide_layers(turf, box.floor, pitch);
-  const long nx = std::lround(box.size[0] / pitch), ny = std::lround(box.size[1] / pitch);
-  const double px = box.size[0] / static_cast<double>(nx), py = box.size[1] / static_cast<double>(ny);
+  Cells cells{divide_layers(turf, box.floor, pitch), {}, {}};
+  for (std::size_t d = 0; d < 2; ++d) {
+    cells.count[d] = std::lround(box.size[d] / pitch);
+    cells.spacing[d] = box.size[d] / static_cast<double>(cells.count[d]);
+  }
+  return cells;
+}
+
+double box_depth(const std::vector<LayerRows>& layers) {
+  double depth = 0;
+  for (const LayerRows& layer : layers) depth += layer.count * layer.spacing;
+  return depth;
+}
+
+/// From the floor upwards.
+std::vector<double> shares_of_rows(const Cells& cells, const SphOptions& options) {
+  std::vector<double> place, thickness;
+  for (const LayerRows& layer : cells.layers)
+    for (int k = 0; k < layer.count; ++k) {
+      place.push_back(layer.bottom + (k + 0.5) * layer.spacing);
+      thickness.push_back(layer.spacing);
+    }
+  return row_shares(place, thickness, cells.spacing, options);
+}
+
+}  // namespace
+
+Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
+  const auto [rows, count, spacing] = divide_box(turf, box, pitch);
+  const auto [nx, ny] = count;
+  const auto [px, py] = spacing;
 
   Lattice lattice;
   lattice.pitch = std::sqrt(px * py);
@@ -81,6 +115,31 @@ Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch) {
     for (long ix = 0; ix < nx; ix += tile_width)
       for (std::size_t k = 0; k < rows.size(); ++k)
         for (int iz = 0; iz < rows[k].count; ++iz) add_row(k, iz, ix, iy);
+  }
+  return lattice;
+}
+
+double mean_spacing(const Turf& turf, const LatticeBox& box, double pitch) {
+  const Cells cells = divide_box(turf, box, pitch);
+  double rows = 0;
+  for (const LayerRows& layer : cells.layers) rows += layer.count;
+  return std::cbrt(cells.spacing[0] * cells.spacing[1] * box_depth(cells.layers) / rows);
+}
+
+Lattice make_bed(const Turf& turf, const LatticeBox& box, const SphOptions& options) {
+  Lattice lattice = make_lattice(turf, box, options.pitch);
+  const Cells cells = divide_box(turf, box, options.pitch);
+  const std::vector<double> share = shares_of_rows(cells, options);
+  std::vector<std::size_t> first_row;
+  for (std::size_t rows = 0; const LayerRows& layer : cells.layers) {
+    first_row.push_back(rows);
+    rows += static_cast<std::size_t>(layer.count);
+  }
+  for (std::size_t i = 0; i < lattice.position.size(); ++i) {
+    const auto k = static_cast<std::size_t>(lattice.layer[i]);
+    const LayerRows& layer = cells.layers[k];
+    const double above = (lattice.position[i].z() - layer.bottom) / layer.spacing;
+    lattice.strained_share.push_back(share[first_row[k] + static_cast<std::size_t>(above)]);
   }
   return lattice;
 }

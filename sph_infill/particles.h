@@ -70,6 +70,7 @@ struct Particles {
   std::vector<double> radius, half_height;  ///< m, of contact; half_height: empty where it is the radius
   std::vector<double> reference_volume;     ///< m^3 at no strain: mass over the law's density, unless a
                                             ///< compacted bed made the density it had reached the reference
+  std::vector<double> strained_share;       ///< of its cell, see row_shares.h; 1: all
   std::vector<Index> layer, material;       ///< material: also the index into the laws
   double smoothing_length = 0;              ///< h, m: the unit of records
 
@@ -93,6 +94,7 @@ struct Particles {
                          &volume, &mass, &reference_volume})
       values->assign(count, 0);
     for (auto& values : deviator) values.assign(count, 0);
+    strained_share.assign(count, 1);
     layer.assign(count, 0), material.assign(count, 0);
     motion.assign(count, {});
     stress.assign(count, {});

@@ -6,34 +6,15 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "sph_infill/kernel.h"
+#include "sph_infill/row_slopes.h"
 
 namespace tuft::sph {
 namespace {
 
-/// Slope of the kernel along the rows' normal, summed over a whole row at a distance of `k` spacings, 1/m^4.
-template <class KernelType>
-double row_slope(const KernelType& kernel, double distance, std::array<double, 2> across) {
-  const double reach = 2 * kernel.h;
-  double sum = 0;
-  const auto span = [&](int axis) {
-    return static_cast<int>(reach / across[static_cast<std::size_t>(axis)]);
-  };
-  for (int a = -span(0); a <= span(0); ++a)
-    for (int b = -span(1); b <= span(1); ++b) {
-      const double x = a * across[0], y = b * across[1];
-      sum += kernel.slope_over_distance(x * x + y * y + distance * distance);
-    }
-  return -distance * sum;
-}
-
 std::vector<double> row_slopes(int rows, double spacing, std::array<double, 2> across,
                                const SphOptions& options) {
   std::vector<double> slopes;
-  for (int k = 0; k < rows; ++k)
-    slopes.push_back(options.kernel == Kernel::wendland_c2
-                         ? row_slope(WendlandC2(options.smoothing_length), k * spacing, across)
-                         : row_slope(CubicSpline(options.smoothing_length), k * spacing, across));
+  for (int k = 0; k < rows; ++k) slopes.push_back(row_slope(options, k * spacing, across));
   return slopes;
 }
 

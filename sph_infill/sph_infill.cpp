@@ -90,6 +90,7 @@ void SphInfill::Impl::set_up(const Lattice& lattice, const std::vector<Material>
   p.position = lattice.position;
   if (given.soil_effects.strength_softening) p.lost_strength.assign(n, 0);
   p.volume = lattice.volume;
+  if (!lattice.strained_share.empty()) p.strained_share = lattice.strained_share;
   p.layer = lattice.layer;
   p.material = lattice.material;
 
@@ -287,7 +288,7 @@ std::vector<std::array<double, 6>> SphInfill::stress_moments() const {
   std::vector<std::array<double, 6>> moments(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     const SoilState s = p.soil_state(i);
-    const double v = p.volume[i];
+    const double v = p.strained_share[i] * p.volume[i];
     moments[i] = {v * (s.deviator.xx - s.pressure),
                   v * (s.deviator.yy - s.pressure),
                   v * (s.deviator.zz - s.pressure),

@@ -22,6 +22,8 @@ struct Lattice {
   std::vector<Index> layer, material;
   /// Of contact, m, sideways and upwards; empty: half the edge of a cube of the particle's volume.
   std::vector<double> radius, half_height;
+  /// What part of its cell each strains itself (row_shares.h); empty: all of it.
+  std::vector<double> strained_share;
   /// Outermost particles are on walls and stand for parts of a cell (specimens).
   bool stands_on_walls = false;
   double pitch = 0;  ///< m, in the plane (adjusted so that a whole number fits the patch)
@@ -33,6 +35,13 @@ struct Lattice {
 /// bed just fills its tray, whatever its layers' rows. Throws InputError for a layer thinner than half a
 /// pitch.
 [[nodiscard]] Lattice make_lattice(const Turf& turf, const LatticeBox& box, double pitch);
+
+/// Edge of a cube of the mean volume of its particles, m.
+[[nodiscard]] double mean_spacing(const Turf& turf, const LatticeBox& box, double pitch);
+
+/// The same between a floor and what presses on the surface, whose contact is half a row deep: with
+/// `strained_share`. Side walls take none: the half cells along them bear the weight above with the others.
+[[nodiscard]] Lattice make_bed(const Turf& turf, const LatticeBox& box, const SphOptions& options);
 
 /// Contact radii of a lattice's particles, m; of a lattice that has none those of cubes. half_height: empty
 /// where it is the radius, of rows as high as the pitch.

@@ -150,7 +150,7 @@ PackMask is_valid(const SoilStateOf<Pack>& state) {
 }
 
 /// S = (v*/V) sigma B, the half of the pair force that a particle brings, and its viscous factors. growth:
-/// v*/V.
+/// v*/V, v* of the part of a cell that strains.
 void store_stress_records(const LoopSettings& settings, const SoilStateOf<Pack>& state,
                           const SymmetricTensorOf<Pack>& correction, const Pack& growth, const Pack& density,
                           const Pack& wave_speed, std::size_t i, std::size_t count, Particles& p) {
@@ -215,11 +215,12 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const TensorOf<Pack> velocity_gradient = dot(sums.velocity, correction);
   SoilStateOf<Pack> state = load_state<on>(p, i, count);
   const Pack weighed = load_lanes(p.volume, i, count);  // V, by which both passes of the step weigh
+  const Pack share = load_lanes(p.strained_share, i, count);
   Pack volume = weighed;
   if (dt > 0) {
     const SoilWorkOf<Pack> work = update_soil_state<on>(law, strain_step_of(velocity_gradient, dt), state);
     volume = load_lanes(p.reference_volume, i, count) * exp(-state.compression);
-    const Pack middle_volume = 0.5 * (weighed + volume);
+    const Pack middle_volume = 0.5 * share * (weighed + volume);
     total.work += only(middle_volume * work.total, count);
     total.plastic += only(middle_volume * work.dissipated, count);
     store_state<on>(state, i, count, p);
@@ -231,7 +232,7 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   const Pack modulus = state.bulk_modulus * (1.0 + 4.0 / 3.0 * law.value(&SoilLaw::shear_ratio));
   const Pack wave_speed = stdx::sqrt(modulus * volume / mass);
   const RowMobility row = row_mobility(sums, correction, Pack(1.0) / mass);
-  const Pack frequency = stdx::sqrt(modulus * volume *
+  const Pack frequency = stdx::sqrt(modulus * share * volume *
                                     largest_mobility(settings.step_limit, row.neighbours, row.own, volume,
                                                      load_lanes(p.reference_volume, i, count)));
   const SymmetricTensorOf<Pack> rate = symmetric_part(velocity_gradient);
@@ -242,7 +243,8 @@ void update_particles(const LoopSettings& settings, const GradientSumsOf<Pack>& 
   if (!p.own_step.empty())
     for (std::size_t l = 0; l < count; ++l) p.own_step[i + l] = static_cast<float>(stable[l]);
   const Pack density = mass / volume;
-  store_stress_records(settings, state, correction, volume / weighed, density, wave_speed, i, count, p);
+  store_stress_records(settings, state, correction, share * volume / weighed, density, wave_speed, i, count,
+                       p);
   if (settings.zero_energy_control)
     store_residual_records(settings.options, velocity_gradient, fitted, density * wave_speed, i, count, p);
 }

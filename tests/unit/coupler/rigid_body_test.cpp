@@ -32,6 +32,24 @@ TEST(CylinderDistance, NormalIsTheGradientOfTheDistance) {
   }
 }
 
+TEST(CylinderDistance, OfARoundedEdgeIsThatToTheRingInsideItLessTheRim) {
+  const Cylinder c{0.025, 0.1};
+  constexpr double rim = 0.003;
+  EXPECT_NEAR(distance_to(c, Vec3(0.01, 0, -0.004), rim).distance, 0.004, 1e-15) << "below the flat face";
+  EXPECT_NEAR(distance_to(c, Vec3(0, 0.03, 0.05), rim).distance, 0.005, 1e-15) << "beside the shaft";
+  EXPECT_NEAR(distance_to(c, Vec3(0.022 + 0.003, 0, 0.003 - 0.004), rim).distance, 0.002, 1e-15);
+  EXPECT_NEAR(distance_to(c, Vec3(0.025, 0, 0), rim).distance, (std::sqrt(2.0) - 1) * rim, 1e-15);
+  EXPECT_NEAR(distance_to(c, Vec3(0, 0, 0.13), rim).distance, 0.03, 1e-15) << "the upper end has no rim";
+  for (const Vec3& p : {Vec3(0.024, 0.01, -0.003), Vec3(0.02, 0.013, 0.001), Vec3(0.01, 0.005, 0.002),
+                        Vec3(0.016, 0.018, 0.05), Vec3(0.02, 0.02, 0.11)})
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = 1e-7 * Vec3::Unit(axis);
+      const double slope =
+          (distance_to(c, p + step, rim).distance - distance_to(c, p - step, rim).distance) / 2e-7;
+      EXPECT_NEAR(distance_to(c, p, rim).normal[axis], slope, 1e-6) << p.transpose();
+    }
+}
+
 /// The normal against differences of the distance.
 template <class Shape>
 void expect_gradient(const Shape& shape, const Vec3& p) {
