@@ -1,4 +1,4 @@
-/// A listener that cannot serve says so in one line and ends.
+/// A listener that cannot serve says so in one line and ends; it does not try without pause.
 #include <cstdlib>
 #include <sstream>
 
@@ -48,6 +48,20 @@ TEST_F(ListenerFailure, WithoutAFolderItCanWriteIsOneClearLine) {
   EXPECT_TRUE(is_one_line(line_of(outcome.complained))) << outcome.complained;
   EXPECT_TRUE(outcome.complained.starts_with("ERROR: no folder can be made in /proc")) << outcome.complained;
   EXPECT_NE(outcome.complained.find("set TMPDIR"), std::string::npos) << outcome.complained;
+}
+
+/// So few open files that the listener goes but no host does.
+TEST_F(ListenerFailure, OfHostsThatFailAtOncePausesAndGivesUp) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Outcome outcome = listen("ulimit -n 7;");
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1 + 2 + 4 + 8));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.said;
+  std::size_t lives = 0;
+  for (std::size_t at = 0; (at = outcome.said.find("a run's host ended", at)) != std::string::npos; ++at)
+    ++lives;
+  EXPECT_EQ(lives, 5u) << outcome.said;
+  EXPECT_TRUE(is_one_line(line_of(outcome.complained))) << outcome.complained;
+  EXPECT_TRUE(outcome.complained.starts_with("ERROR: 5 hosts in a row")) << outcome.complained;
 }
 
 }  // namespace
