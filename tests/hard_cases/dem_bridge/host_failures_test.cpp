@@ -108,6 +108,20 @@ TEST_F(HostFailure, NotExecutableSaysSo) {
   fs::remove(program);
 }
 
+TEST_F(HostFailure, NotAProgramSaysSoAndWhatToDo) {
+  const fs::path program = folder() / "liggghts_host";
+  std::ofstream(program) << "of another processor\n";
+  fs::permissions(program, fs::perms::owner_all);
+  DemSettings settings = settings_in_box(0.05);
+  settings.options.host = program.string();
+  const std::string message =
+      message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find(program.string() + " cannot be started"), std::string::npos) << message;
+  EXPECT_NE(message.find("fits this machine"), std::string::npos) << message;
+  fs::remove(program);
+}
+
 TEST_F(HostFailure, AProgramThatIsNoHostIsReportedWithItsWords) {
   const fs::path program = folder() / "impostor";
   {
