@@ -132,7 +132,10 @@ HostProcess::HostProcess(std::vector<std::string> command, const fs::path& log, 
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   if (failure != 0)
-    throw_run_error("liggghts_host: {} cannot be started: {}", command.front(), std::strerror(failure));
+    throw_run_error(
+        "liggghts_host: {} cannot be started, with its output in {}: {}; see that the program fits this "
+        "machine and that limits of processes and memory (ulimit -u, -v) are not reached",
+        command.front(), log.string(), std::strerror(failure));
   id_ = child;
   descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   if (descriptor_ < 0) {

@@ -144,27 +144,29 @@ class LocalWire final : public HostWire {
     std::vector<std::optional<MessageSocket>> known(memory_.ranks());
     std::vector<MessageSocket> strangers;
     for (std::size_t missing = known.size(); missing > 0;) {
+      // Asked in every round, since there may be someone at the door in every one.
+      if (Clock::now() >= deadline)
+        throw_run_error(
+            "starting liggghts_host: it did not connect within {} s and was ended; raise "
+            "infill.dem.answer_timeout if the machine is busy",
+            options.answer_timeout);
       std::vector<pollfd> watched{{listener_.descriptor(), POLLIN, 0}, {process_.descriptor(), POLLIN, 0}};
       for (const MessageSocket& stranger : strangers) watched.push_back({stranger.descriptor(), POLLIN, 0});
-      const int woken = ::poll(watched.data(), watched.size(), wait_time(deadline));
-      if (woken < 0 && errno == EINTR) continue;
-      if (woken == 0)
-        throw_run_error("starting liggghts_host: it did not connect within {} s and was ended",
-                        options.answer_timeout);
+      if (::poll(watched.data(), watched.size(), wait_time(deadline)) <= 0) continue;
       if (watched[0].revents != 0) strangers.push_back(listener_.accept());
       for (auto stranger = strangers.begin(); stranger != strangers.end();) {
-        const auto said = stranger->receive();
-        if (!said) {
+        if (const auto said = stranger->receive()) {
+          const std::size_t rank = std::strtoul(said->c_str(), nullptr, 10);
+          if (rank >= known.size() || known[rank])
+            throw_run_error("starting liggghts_host: an unexpected rank {} of {}", rank, known.size());
+          stranger->send_descriptor(memory_.descriptor());
+          known[rank].emplace(std::move(*stranger));
+          --missing;
+        } else if (!stranger->closed()) {
           ++stranger;
           continue;
         }
-        const std::size_t rank = std::strtoul(said->c_str(), nullptr, 10);
-        if (rank >= known.size() || known[rank])
-          throw_run_error("starting liggghts_host: an unexpected rank {} of {}", rank, known.size());
-        stranger->send_descriptor(memory_.descriptor());
-        known[rank].emplace(std::move(*stranger));
-        stranger = strangers.erase(stranger);
-        --missing;
+        stranger = strangers.erase(stranger);  // one that has gone would wake us in every round
       }
       if (watched[1].revents != 0 && missing > 0) {
         const std::string words = last_words();

@@ -28,7 +28,8 @@ sockaddr_un address_of(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.string().size() >= sizeof address.sun_path)
-    throw std::runtime_error(fmt::format("the path {} is too long for a socket", path.string()));
+    throw std::runtime_error(
+        fmt::format("the path {} is too long for a socket; set TMPDIR to a shorter one", path.string()));
   std::strcpy(address.sun_path, path.c_str());
   return address;
 }
@@ -141,7 +142,8 @@ SocketListener::SocketListener(const std::filesystem::path& path)
       ::listen(descriptor_, SOMAXCONN) != 0) {
     const int reason = errno;
     if (descriptor_ >= 0) ::close(descriptor_);
-    throw_run_error("no socket can be made at {}: {}", path.string(), std::strerror(reason));
+    throw_run_error("no socket can be made at {}: {}; set TMPDIR to a folder on a local disk with room",
+                    path.string(), std::strerror(reason));
   }
 }
 
@@ -151,7 +153,10 @@ SocketListener::~SocketListener() {
 
 MessageSocket SocketListener::accept() {
   const int connected = ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
-  if (connected < 0) throw_run_error("a connection cannot be accepted: {}", std::strerror(errno));
+  if (connected < 0)
+    throw_run_error(
+        "a connection of liggghts_host cannot be accepted: {}; raise the limit of open files (ulimit -n)",
+        std::strerror(errno));
   return MessageSocket(connected);
 }
 

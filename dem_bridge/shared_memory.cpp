@@ -21,7 +21,11 @@ SharedMemory SharedMemory::create(std::size_t grains, std::size_t ranks) {
   static std::atomic<unsigned> counter{0};
   const std::string name = fmt::format("/tuft-dem-{}-{}", ::getpid(), counter++);
   const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) throw_run_error("shared memory {} cannot be created: {}", name, std::strerror(errno));
+  if (descriptor < 0)
+    throw_run_error(
+        "shared memory {} cannot be created: {}; see that /dev/shm can be written and that the limit of open "
+        "files (ulimit -n) is not reached",
+        name, std::strerror(errno));
   ::shm_unlink(name.c_str());
 
   // posix_fallocate and not ftruncate alone: a full /dev/shm must be an error here, not a SIGBUS later.
@@ -36,7 +40,10 @@ SharedMemory SharedMemory::create(std::size_t grains, std::size_t ranks) {
   if (memory == MAP_FAILED) {
     const int reason = errno;
     ::close(descriptor);
-    throw_run_error("{} bytes of shared memory cannot be mapped: {}", bytes, std::strerror(reason));
+    throw_run_error(
+        "{} bytes of shared memory for {} grains cannot be mapped: {}; raise the limit of address space "
+        "(ulimit -v), or use fewer grains",
+        bytes, grains, std::strerror(reason));
   }
   auto* state = new (memory) SharedState;
   state->grains = grains;

@@ -127,10 +127,10 @@ class NeighbourList {
     const std::size_t k = g % groups_per_block, next = g / groups_per_block + 1;
     if (next >= blocks_.size()) return;
     const Block& block = blocks_[next];
-    if (k == 4) prefetch(&block, sizeof block);
+    if (k == 4) prefetch(&block, 1);
     if (k == 16) {  // by then it has come, and says where its rows are; processors foresee the rest of them
-      prefetch(block.entries.data(), 2 * group_size * group_size * sizeof(RowEntry));
-      prefetch(block.first_read.data(), block.first_read.size() * sizeof(Index));
+      prefetch(block.entries.data(), 2 * group_size * group_size);
+      prefetch(block.first_read.data(), block.first_read.size());
     }
   }
   /// Neighbours of particle i, for tests and reports.

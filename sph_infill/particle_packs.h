@@ -51,7 +51,7 @@ template <class... Record>
   if (ahead * group_size >= count) return;
   for (const Index other : list.groups_first_read(ahead)) {
     const std::size_t first = static_cast<std::size_t>(other) * group_size;
-    (prefetch(records.data() + first, group_size * sizeof(Record)), ...);
+    (prefetch(records.data() + first, group_size), ...);
   }
 }
 

@@ -280,8 +280,8 @@ StressSums update_block(const KernelType kernel, const LoopSettings& settings, c
     const std::size_t group = first / group_size;
     if (steps && !steps->is_strained(group)) continue;
     prefetch_records(list, group, p.motion);
-    prefetch<Access::write>(p.stress.data() + first + groups_ahead * group_size,
-                            group_size * sizeof(StressRecord));
+    if (const std::size_t ahead = first + groups_ahead * group_size; ahead < p.stress.size())
+      prefetch<Access::write>(p.stress.data() + ahead, group_size);
     const GroupGradients sums = sum_pair_gradients(kernel, list, p, group);
     const double since = steps ? steps->since_strain(group) : dt;
     for (std::size_t k = 0, i = first; k < sums.size() && i < end; ++k, i += lanes)

@@ -96,9 +96,9 @@ bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
   for (std::size_t i = 0; i < place.size(); ++i) {
     if (i + ahead < place.size() && place[i + ahead] >= 0) {
       const std::ptrdiff_t next = 3 * static_cast<std::ptrdiff_t>(place[i + ahead]);
-      prefetch(positions + next, sizeof(double));
-      prefetch(velocities + next, sizeof(double));
-      prefetch(spins + next, sizeof(double));
+      prefetch(positions + next, 3);
+      prefetch(velocities + next, 3);
+      prefetch(spins + next, 3);
     }
     if (place[i] < 0) continue;
     const std::ptrdiff_t row = 3 * static_cast<std::ptrdiff_t>(place[i]);

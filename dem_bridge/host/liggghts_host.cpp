@@ -10,7 +10,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -32,7 +34,12 @@ using namespace tuft::dem;
 /// once; a rank is a child of mpirun.)
 void end_with(pid_t starter) {
   const int watch = static_cast<int>(::syscall(SYS_pidfd_open, starter, 0));
-  if (watch < 0) ::_exit(EXIT_FAILURE);  // it is gone already
+  if (watch < 0) {
+    if (errno != ESRCH)  // else it is gone already
+      std::cerr << "ERROR: liggghts_host cannot watch the process that started it: " << std::strerror(errno)
+                << "; raise the limit of open files (ulimit -n)\n";
+    ::_exit(EXIT_FAILURE);
+  }
   std::thread([watch] {
     pollfd ended{watch, POLLIN, 0};
     while (::poll(&ended, 1, -1) < 0) {
@@ -76,7 +83,12 @@ int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   const std::string mode = words.empty() ? "" : words[0];
   const bool once = words.size() == 3 && words[2] == "--once";
-  if (mode == "--listen" && (words.size() == 2 || once)) return listen_for_drivers(words[1], once);
+  if (mode == "--listen" && (words.size() == 2 || once)) try {
+      return listen_for_drivers(words[1], once);
+    } catch (const std::exception& error) {
+      std::cerr << "ERROR: " << error.what() << '\n';
+      return EXIT_FAILURE;
+    }
   const bool serves = mode == "--serve" && words.size() == 3;
   if (!serves && !(mode == "--driver" && words.size() == 4 && words[2] == "--socket")) {
     std::cerr << "liggghts_host is started by tuft; by hand for another machine: liggghts_host --listen "

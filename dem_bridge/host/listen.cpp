@@ -29,6 +29,7 @@ namespace tuft::dem {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr const char* served = "served";  // a file that a host makes in its folder when a driver has come
 
 /// One life of LIGGGHTS for one driver.
 class Session {
@@ -94,6 +95,7 @@ class Session {
       throw std::runtime_error(
           fmt::format("protocol version {} expected, {} found: host and program are of different builds",
                       protocol_version, wanted.version));
+    std::ofstream{served};
     memory_.emplace(SharedMemory::create(wanted.grains));
     engine_ = std::make_unique<LiggghtsEngine>(*memory_, 0);
   }
@@ -177,22 +179,50 @@ int serve_one_driver(const std::string& endpoint) {
   current->serve();
 }
 
+namespace {
+
+/// How the life of one host went.
+struct Life {
+  std::string ending;
+  std::string words;     ///< the last, ": " before them; may be empty
+  bool in_vain = false;  ///< it failed soon after its start, before a driver had come: so may the next
+};
+
+Life live(const std::string& program, const std::string& endpoint) {
+  constexpr std::chrono::seconds soon{10};
+  const ScratchFolder folder;
+  const fs::path log = folder.path() / "host.log";
+  const auto start = std::chrono::steady_clock::now();
+  HostProcess host({program, "--serve", endpoint, std::to_string(::getpid())}, log, folder.path());
+  while (!host.wait(3600)) {
+  }
+  std::ostringstream said;
+  said << std::ifstream(log).rdbuf();
+  std::error_code ignored;
+  return {host.ending(), (said.str().empty() ? "" : ": ") + telling_line(said.str()),
+          host.ending() != "exit code 0" && std::chrono::steady_clock::now() - start < soon &&
+              !fs::exists(folder.path() / served, ignored)};
+}
+
+}  // namespace
+
 int listen_for_drivers(const std::string& endpoint, bool once) {
+  constexpr int tries = 5;
   const std::string program = fs::read_symlink("/proc/self/exe").string();
   std::cout << "liggghts_host listens at " << endpoint << "; whoever can reach it can run commands as "
             << "this user, so let only trusted machines" << std::endl;
-  while (true) {
-    const ScratchFolder folder;
-    const fs::path log = folder.path() / "host.log";
-    HostProcess host({program, "--serve", endpoint, std::to_string(::getpid())}, log, folder.path());
-    while (!host.wait(3600)) {
-    }
-    std::ostringstream said;
-    said << std::ifstream(log).rdbuf();
-    std::cout << "a run's host ended with " << host.ending() << (said.str().empty() ? "" : ": ")
-              << telling_line(said.str()) << std::endl;
-    if (host.ending() == "exit code " + std::to_string(cannot_listen)) return EXIT_FAILURE;
-    if (once) return host.ending() == "exit code 0" ? EXIT_SUCCESS : EXIT_FAILURE;
+  for (int in_vain = 0;;) {
+    const Life life = live(program, endpoint);
+    std::cout << "a run's host ended with " << life.ending << life.words << std::endl;
+    if (life.ending == "exit code " + std::to_string(cannot_listen)) return EXIT_FAILURE;
+    if (once) return life.ending == "exit code 0" ? EXIT_SUCCESS : EXIT_FAILURE;
+    in_vain = life.in_vain ? in_vain + 1 : 0;
+    if (in_vain == tries)
+      throw std::runtime_error(fmt::format(
+          "{} hosts in a row at {} ended before a driver came, the last with {}{}; remove the cause "
+          "and listen again",
+          tries, endpoint, life.ending, life.words));
+    if (in_vain > 0) std::this_thread::sleep_for(std::chrono::seconds(1 << (in_vain - 1)));
   }
 }
 

@@ -7,7 +7,9 @@ namespace tuft::dem {
 inline constexpr int cannot_listen = 3;  ///< exit code of a process that could not have the port
 
 /// Serves one driver after the other, each with a process of its own (LIGGGHTS cannot be emptied and filled
-/// again), until ended by a signal; with `once` only one. Returns the exit code.
+/// again), until ended by a signal; with `once` only one. Waits 1 s after a process that failed before a
+/// driver came, twice as long after each that follows. Returns the exit code; throws std::runtime_error when
+/// five in a row have failed so, and where no folder or process can be made.
 int listen_for_drivers(const std::string& endpoint, bool once);
 
 /// Serves one driver. To be called by the process made for it.

@@ -1,11 +1,14 @@
 /// Whatever happens to the host or to its driver: one clear line, soon, and nothing left behind.
 #include <fcntl.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 
 #include "core/error.h"
+#include "dem_bridge/message_socket.h"
 #include "dem_bridge/scratch_folder.h"
 #include "tests/hard_cases/dem_bridge/traces.h"
 #include "tests/verification/dem_bridge/bridge_scene.h"
@@ -15,6 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
+double thread_seconds() {
+  timespec spent{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &spent);
+  return static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec);
+}
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -100,6 +108,20 @@ TEST_F(HostFailure, NotExecutableSaysSo) {
   fs::remove(program);
 }
 
+TEST_F(HostFailure, NotAProgramSaysSoAndWhatToDo) {
+  const fs::path program = folder() / "liggghts_host";
+  std::ofstream(program) << "of another processor\n";
+  fs::permissions(program, fs::perms::owner_all);
+  DemSettings settings = settings_in_box(0.05);
+  settings.options.host = program.string();
+  const std::string message =
+      message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find(program.string() + " cannot be started"), std::string::npos) << message;
+  EXPECT_NE(message.find("fits this machine"), std::string::npos) << message;
+  fs::remove(program);
+}
+
 TEST_F(HostFailure, AProgramThatIsNoHostIsReportedWithItsWords) {
   const fs::path program = folder() / "impostor";
   {
@@ -113,6 +135,42 @@ TEST_F(HostFailure, AProgramThatIsNoHostIsReportedWithItsWords) {
       message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
   EXPECT_NE(message.find("exit code 127"), std::string::npos) << message;
   EXPECT_NE(message.find("libliggghts.so.3"), std::string::npos) << message;
+  fs::remove(program);
+}
+
+/// Someone comes to the door and goes without a word while the host, which never connects, is waited for.
+TEST_F(HostFailure, ThatDoesNotConnectIsEndedAfterTheTimeoutWhoeverElseComes) {
+  const fs::path program = folder() / "impostor";
+  std::ofstream(program) << "#!/bin/sh\nexec sleep 8\n";
+  fs::permissions(program, fs::perms::owner_all);
+  std::atomic<bool> over{false};
+  std::atomic<int> visits{0};
+  std::thread visitor([&] {
+    while (!over) {
+      std::error_code ignored;
+      for (fs::directory_iterator entry(folder(), ignored), end; entry != end; entry.increment(ignored)) try {
+          (void)connect_to(entry->path() / "control");
+          ++visits;
+        } catch (const std::runtime_error&) {
+        }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  DemSettings settings = settings_in_box(0.05);
+  settings.options.host = program.string();
+  settings.options.answer_timeout = 1.5;
+  const auto begin = Clock::now();
+  const double spent = thread_seconds();
+  const std::string message =
+      message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
+  EXPECT_LT(thread_seconds() - spent, 0.5) << "it spins";
+  EXPECT_LT(seconds_since(begin), 5.0);
+  over = true;
+  visitor.join();
+  EXPECT_GT(visits, 0);
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find("did not connect within 1.5 s"), std::string::npos) << message;
+  EXPECT_NE(message.find("infill.dem.answer_timeout"), std::string::npos) << message;
   fs::remove(program);
 }
 

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+
+#include "core/error.h"
 
 namespace tuft::dem {
 namespace {
@@ -54,6 +57,23 @@ TEST(SharedMemory, OtherProtocolVersionIsRefused) {
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("different builds"), std::string::npos) << error.what();
   }
+}
+
+TEST(SharedMemory, ThatCannotBeCreatedSaysWhyAndWhatToDo) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 3;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  std::string message;
+  try {
+    (void)SharedMemory::create(10);
+  } catch (const RunError& error) {
+    message = error.what();
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(message.find("/tuft-dem-"), std::string::npos) << message;
+  EXPECT_NE(message.find("ulimit -n"), std::string::npos) << message;
 }
 
 TEST(SharedMemory, KeepsTheLastWords) {
