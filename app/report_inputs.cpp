@@ -83,8 +83,9 @@ std::string settings_table(const Runs& runs) {
   });
   add("Resolution", [](const Scene& s) {
     return s.infill.approach == Approach::sph
-               ? fmt::format("pitch {}, {} preset", format_quantity(s.infill.sph.pitch, "m"),
-                             escape_html(s.infill.sph.preset))
+               ? fmt::format("pitch {}, {} preset, {}", format_quantity(s.infill.sph.pitch, "m"),
+                             escape_html(s.infill.sph.preset),
+                             s.infill.sph.kernel == Kernel::wendland_c2 ? "Wendland C2" : "cubic spline")
                : fmt::format("coarse graining {}", format_input(s.infill.dem.coarse_graining));
   });
   return table.html();

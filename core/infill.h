@@ -131,9 +131,6 @@ class Infill {
   /// Announces the window that `advance` will make, before contact is evaluated for it. energy_wanted:
   /// energies as of its start are of use.
   virtual void begin_window(double /*window*/, int /*substeps*/, bool /*energy_wanted*/) {}
-  /// Steps between kicks of particles that have their own are chosen by a scene's `numerics.step_safety`, now
-  /// and then; in between they are shortened from this share of what is stable on.
-  static constexpr double most_of_stable_step = 0.9;
   /// Whether particles may be kicked at times of their own (ParticleView::kicks). Where they are, contact's
   /// impulse on one is its force times the length of its kick, in windows in which it has one; and
   /// `set_contact_rates` tells what steps contact bears.

@@ -109,13 +109,13 @@ std::optional<PresetValues> preset_values(const std::string& preset) {
   return std::nullopt;
 }
 
-/// A preset decides kernel and smoothing length. Values of the user's own need preset "custom", lest a later
-/// change of the pitch leave a smoothing length behind that the preset's name belies.
+/// A preset decides the smoothing length, and the kernel unless the scene chooses one. A length of the user's
+/// own needs preset "custom", lest a later change of the pitch leave one behind that the preset's name
+/// belies.
 void complete_sph(SphOptions& sph, const Places& places, bool of_specimen) {
   const bool preset_given = places.has("infill.sph.preset");
   if (!preset_given && of_specimen) sph.preset = "specimen";
   const bool own_length = places.has("infill.sph.smoothing_length") && sph.smoothing_length > 0;
-  const bool own_kernel = places.has("infill.sph.kernel");
   if (!preset_given && own_length) sph.preset = "custom";
   const auto values = preset_values(sph.preset);
   if (!values) {
@@ -130,12 +130,8 @@ void complete_sph(SphOptions& sph, const Places& places, bool of_specimen) {
         "infill.sph.smoothing_length",
         fmt::format("preset \"{}\" makes it {} at this pitch; leave it out, or set preset = \"custom\"",
                     sph.preset, in_mm(length)));
-  if (own_kernel && sph.kernel != values->kernel)
-    places.fail("infill.sph.kernel",
-                fmt::format("preset \"{}\" has another kernel; leave it out, or set preset = \"custom\"",
-                            sph.preset));
   if (!own_length) sph.smoothing_length = length;
-  sph.kernel = values->kernel;
+  if (!places.has("infill.sph.kernel")) sph.kernel = values->kernel;
   if (!values->zero_energy_control && !places.has("infill.sph.zero_energy_viscosity"))
     sph.zero_energy_viscosity = 0;
 }

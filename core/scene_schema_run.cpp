@@ -29,7 +29,8 @@ void describe_sph(KeyVisitor& keys, SphOptions& sph) {
   keys.quantity({"pitch", "lattice spacing"}, sph.pitch, "m", positive);
   keys.quantity({"smoothing_length", "h, half the kernel's support; left out: by the preset"},
                 sph.smoothing_length, "m", non_negative);
-  keys.enumeration({"kernel", "left out: by the preset"}, sph.kernel, kernels);
+  keys.enumeration({"kernel", "with any preset, h as the preset has it; left out: by the preset"}, sph.kernel,
+                   kernels);
   keys.number({"viscosity_linear", "artificial viscosity, Monaghan's alpha"}, sph.viscosity_linear,
               non_negative);
   keys.number({"viscosity_quadratic", "artificial viscosity, Monaghan's beta"}, sph.viscosity_quadratic,

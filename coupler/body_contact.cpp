@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/checkpoint_values.h"
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
 
@@ -222,19 +223,19 @@ void BodyContact::save(h5::Group& group) const {
   group.write_scalar("initial_overlap_largest", initial_overlap_.largest);
 }
 
-void BodyContact::load(const h5::Group& group) {
-  load_pairs(group, keys_, histories_);
-  const std::vector<double> held = group.read_doubles("held");
+void BodyContact::load(const h5::Group& group, std::size_t bodies) {
+  load_pairs(group, settings_.spring.size(), bodies, keys_, histories_);
+  const std::vector<double> held = h5::read_checked(group, "held", 4 * keys_.size());
   results_.assign(keys_.size(), {});
   for (std::size_t g = 0; g < keys_.size(); ++g) {
     Result& r = results_[g];
-    r.contact.force = Vec3(held.at(4 * g), held.at(4 * g + 1), held.at(4 * g + 2));
-    r.contact.elastic = held.at(4 * g + 3);
+    r.contact.force = Vec3(held[4 * g], held[4 * g + 1], held[4 * g + 2]);
+    r.contact.elastic = held[4 * g + 3];
     r.touching = r.contact.elastic > 0;
   }
   energy_ = load_energy(group);
-  initial_overlap_.pairs = group.read_count("initial_overlap_pairs");
-  initial_overlap_.largest = group.read_double("initial_overlap_largest");
+  initial_overlap_.pairs = h5::read_count(group, "initial_overlap_pairs");
+  initial_overlap_.largest = h5::read_number(group, "initial_overlap_largest");
   searched_ = true;
 }
 

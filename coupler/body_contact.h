@@ -117,7 +117,8 @@ class BodyContact {
                    double least_beside_moving, std::vector<float>& rates) const;
 
   void save(h5::Group& group) const;
-  void load(const h5::Group& group);
+  /// bodies: how many there are.
+  void load(const h5::Group& group, std::size_t bodies);
 
  private:
   /// Pairs from which on other threads are called in.

@@ -229,63 +229,72 @@ std::vector<std::string> carpet_mesh_notes(const Scene& scene) {
   return fe::import_carpet(scene.turf.carpet, scene.turf.size, true).notes;
 }
 
-BuiltSimulation build_simulation(const BuildRequest& request) {
-  const Scene& scene = *request.scene;
-  BuiltSimulation built;
-  SimulationParts parts;
-  fe::ShellMesh mesh = build_carpet_mesh(scene, request.effects);
-  parts.node_radius = node_radii(mesh);
+namespace {
 
-  if (scene.infill.approach == Approach::sph) {
-    const sph::Lattice lattice = scene_lattice(scene);
-    if (request.before_conditioning) {
-      auto spheres = build_spheres(scene, request.effects, lattice);
-      built.spheres = spheres.get();
-      parts.infill = std::move(spheres);
-    } else {
-      parts.infill = build_sph(scene, request.effects, lattice, turf_box(scene));
-    }
-    // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
-    // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
-    parts.particle_shell.strand_radius_factor = scene.numerics.shell_contact_radius;
+std::unique_ptr<Infill> build_continuum(const BuildRequest& request, BuiltSimulation& built) {
+  const Scene& scene = *request.scene;
+  const sph::Lattice lattice = scene_lattice(scene);
+  if (!request.before_conditioning) return build_sph(scene, request.effects, lattice, turf_box(scene));
+  auto spheres = build_spheres(scene, request.effects, lattice);
+  built.spheres = spheres.get();
+  return spheres;
+}
+
+std::unique_ptr<Infill> build_grains(const BuildRequest& request, const fe::ShellMesh& mesh,
+                                     BuiltSimulation& built) {
+  const Scene& scene = *request.scene;
+  dem::Grains settled;
+  if (request.grains != nullptr) {
+    settled = *request.grains;
   } else {
-    dem::Grains settled;
-    if (request.grains != nullptr) {
-      settled = *request.grains;
-    } else {
-      const auto start = std::chrono::steady_clock::now();
-      settled = settle_grains(scene, request.effects, mesh, built.packing_from_cache, request.on_progress);
-      built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-    const sph::TurfBox box = turf_box(scene);
-    auto dem = build_dem(scene, request.effects, settled, {box.low, box.high});
-    built.dem = dem.get();
-    parts.infill = std::move(dem);
+    const auto start = std::chrono::steady_clock::now();
+    settled = settle_grains(scene, request.effects, mesh, built.packing_from_cache, request.on_progress);
+    built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  const std::size_t nodes = mesh.nodes.size();
+  const sph::TurfBox box = turf_box(scene);
+  auto dem = build_dem(scene, request.effects, settled, {box.low, box.high});
+  built.dem = dem.get();
+  return dem;
+}
+
+std::unique_ptr<fe::Carpet> build_carpet(const BuildRequest& request, fe::ShellMesh mesh) {
+  const Scene& scene = *request.scene;
   ShellMaterial backing = scene.turf.carpet.backing, fibre = scene.turf.carpet.fibre;
   if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
-  parts.carpet = std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
-                                              carpet_options(scene));
-  parts.bodies = tray(scene.turf.size, floor_height(scene, request.effects));
-  parts.bodies.front().is_carpet = !effect_on(request.effects, "backing");
-  built.first_rig_body = parts.bodies.size();
-  parts.bodies.insert(parts.bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
+  return std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
+                                      carpet_options(scene));
+}
 
-  const ParticleView particles = parts.infill->particles();
-  if (scene.conditioning.on()) {
-    built.plate = parts.bodies.size();
-    if (scene.conditioning.method == "roller") {
-      const std::vector<RigidBody> roller = Roller(scene).bodies();
-      parts.bodies.insert(parts.bodies.end(), roller.begin(), roller.end());
-    } else {
-      parts.bodies.push_back(conditioning_plate(top_of(particles, parts.carpet->nodes(), parts.node_radius)));
-    }
+/// Tray, the rig's, and what conditions.
+void add_bodies(const BuildRequest& request, SimulationParts& parts, BuiltSimulation& built) {
+  const Scene& scene = *request.scene;
+  std::vector<RigidBody>& bodies = parts.bodies;
+  bodies = tray(scene.turf.size, floor_height(scene, request.effects));
+  bodies.front().is_carpet = !effect_on(request.effects, "backing");
+  built.first_rig_body = bodies.size();
+  bodies.insert(bodies.end(), request.rig_bodies.begin(), request.rig_bodies.end());
+  if (!scene.conditioning.on()) return;
+  built.plate = bodies.size();
+  if (scene.conditioning.method == "roller") {
+    const std::vector<RigidBody> roller = Roller(scene).bodies();
+    bodies.insert(bodies.end(), roller.begin(), roller.end());
+  } else {
+    bodies.push_back(
+        conditioning_plate(top_of(parts.infill->particles(), parts.carpet->nodes(), parts.node_radius)));
   }
+}
+
+void set_contact(const BuildRequest& request, SimulationParts& parts) {
+  const Scene& scene = *request.scene;
+  const ParticleView particles = parts.infill->particles();
   const PointContact contact = particle_contact(scene, request.effects, particles);
   parts.particle_shell.stiffness = contact.stiffness;
   parts.particle_shell.damping_ratio = contact.damping_ratio;
   parts.particle_shell.friction = contact.fibre_friction;
+  // A sheet inside a continuum takes no room in it: with a particle's whole radius the strands would press
+  // the lattice apart as they are let in. The share is numerics.shell_contact_radius.
+  if (scene.infill.approach == Approach::sph)
+    parts.particle_shell.strand_radius_factor = scene.numerics.shell_contact_radius;
   parts.particle_body = {body_springs(scene, request.effects, particles, request.before_conditioning),
                          contact.damping_ratio,
                          contact.body_friction,
@@ -293,18 +302,33 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
                          contact.fibre_friction,
                          scene.infill.approach == Approach::sph ? 1.0 : 0.0};
 
-  const std::span<const double> node_stiffness = parts.carpet->node_contact_stiffness();
-  for (const double k : node_stiffness)
+  const std::size_t nodes = parts.node_radius.size();
+  for (const double k : parts.carpet->node_contact_stiffness())
     parts.node_body.spring.push_back({parts.particle_shell.shell_share * k});
   const double restitution = scene.turf.carpet.contact_restitution;
   parts.node_body.damping_ratio.assign(
       nodes, effect_on(request.effects, "contact_damping") ? damping_ratio_of_restitution(restitution) : 0);
   parts.node_body.friction.assign(
       nodes, friction_of(scene.turf.carpet.body_friction, effect_on(request.effects, "friction_rate")));
+}
+
+}  // namespace
+
+BuiltSimulation build_simulation(const BuildRequest& request) {
+  const Scene& scene = *request.scene;
+  BuiltSimulation built;
+  SimulationParts parts;
+  fe::ShellMesh mesh = build_carpet_mesh(scene, request.effects);
+  parts.node_radius = node_radii(mesh);
+  parts.infill = scene.infill.approach == Approach::sph ? build_continuum(request, built)
+                                                        : build_grains(request, mesh, built);
+  parts.carpet = build_carpet(request, std::move(mesh));
+  add_bodies(request, parts, built);
+  set_contact(request, parts);
 
   parts.gravity = gravity;
   parts.numerics = scene.numerics;
-  parts.skin = search_skin(scene.infill.approach, particles.radius);
+  parts.skin = search_skin(scene.infill.approach, parts.infill->particles().radius);
   parts.energy_scale = request.energy_scale;
   parts.release_overlap = effect_on(request.effects, "overlap_release");
   parts.separated_at_fibres = effect_on(request.effects, "fibre_separation");

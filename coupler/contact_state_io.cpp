@@ -1,5 +1,9 @@
 #include "coupler/contact_state_io.h"
 
+#include <fmt/format.h>
+
+#include "core/checkpoint_values.h"
+
 namespace tuft::coupler {
 namespace {
 constexpr std::size_t history_numbers = 10;
@@ -21,12 +25,21 @@ void save_pairs(h5::Group& group, const std::vector<PairKey>& keys,
   group.write("histories", std::span<const double>(flat));
 }
 
-void load_pairs(const h5::Group& group, std::vector<PairKey>& keys, std::vector<ContactHistory>& histories) {
-  keys = group.read_counts("keys");
-  const std::vector<double> flat = group.read_doubles("histories");
+void load_pairs(const h5::Group& group, std::size_t points, std::size_t others, std::vector<PairKey>& keys,
+                std::vector<ContactHistory>& histories) {
+  keys = h5::read_keys(group, "keys");
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const std::uint64_t point = keys[k] >> 32, other = keys[k] & 0xffffffffu;
+    if (point >= points || other >= others)
+      h5::refuse(group, "keys",
+                 fmt::format("[{}] is of point {} of {} with {} of {}", k, point, points, other, others));
+    if (k > 0 && !(keys[k - 1] < keys[k]))
+      h5::refuse(group, "keys", fmt::format("[{}] is {}, not above the one before", k, keys[k]));
+  }
+  const std::vector<double> flat = h5::read_checked(group, "histories", keys.size() * history_numbers);
   histories.assign(keys.size(), {});
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    const double* h = &flat.at(i * history_numbers);
+    const double* h = &flat[i * history_numbers];
     histories[i] = {Vec3(h[0], h[1], h[2]), Vec3(h[3], h[4], h[5]), h[6], h[7], h[8], h[9]};
   }
 }
@@ -37,8 +50,8 @@ void save_energy(h5::Group& group, const ContactEnergy& energy) {
 }
 
 ContactEnergy load_energy(const h5::Group& group) {
-  const std::vector<double> v = group.read_doubles("energy");
-  return {v.at(0), v.at(1), v.at(2), v.at(3)};
+  const std::vector<double> v = h5::read_checked(group, "energy", 4);
+  return {v[0], v[1], v[2], v[3]};
 }
 
 }  // namespace tuft::coupler

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 
 namespace tuft::coupler {
@@ -42,15 +43,16 @@ void EnergyLedger::save(h5::Group& group) const {
 }
 
 void EnergyLedger::load(const h5::Group& group) {
-  const std::vector<double> v = group.read_doubles("last");
-  last_ = {v.at(0), v.at(1), v.at(2),  v.at(3),  v.at(4),  v.at(5),  v.at(6),  v.at(7),
-           v.at(8), v.at(9), v.at(10), v.at(11), v.at(12), v.at(13), v.at(14), v.at(15)};
-  const std::vector<double> s = group.read_doubles("state");
-  scale_ = s.at(0);
-  reference_ = s.at(1);
-  error_ = s.at(2);
-  largest_error_ = s.at(3);
-  entries_ = static_cast<std::uint64_t>(s.at(4));
+  const std::vector<double> v = h5::read_checked(group, "last", EnergyTerms::count);
+  last_ = {v[0], v[1], v[2],  v[3],  v[4],  v[5],  v[6],  v[7],
+           v[8], v[9], v[10], v[11], v[12], v[13], v[14], v[15]};
+  const std::vector<double> s = h5::read_checked(group, "state", 5);
+  h5::check_whole(group, "state", 4, s[4], {0, h5::most_counted});
+  scale_ = s[0];
+  reference_ = s[1];
+  error_ = s[2];
+  largest_error_ = s[3];
+  entries_ = static_cast<std::uint64_t>(s[4]);
 }
 
 }  // namespace tuft::coupler

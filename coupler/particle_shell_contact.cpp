@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/checkpoint_values.h"
 #include "core/parallel.h"
 #include "coupler/contact_state_io.h"
 #include "coupler/fastest.h"
@@ -240,11 +241,12 @@ void ParticleShellContact::save(h5::Group& group) const {
 }
 
 void ParticleShellContact::load(const h5::Group& group) {
-  load_pairs(group, keys_, histories_);
+  load_pairs(group, settings_.stiffness.size(), static_cast<std::size_t>(mesh_.surface_count), keys_,
+             histories_);
   energy_ = load_energy(group);
   let_go_ = load_energy(group.open_group("let_go"));
-  initial_overlap_.pairs = group.read_count("initial_overlap_pairs");
-  initial_overlap_.largest = group.read_double("initial_overlap_largest");
+  initial_overlap_.pairs = h5::read_count(group, "initial_overlap_pairs");
+  initial_overlap_.largest = h5::read_number(group, "initial_overlap_largest");
   searched_ = true;  // the next search fills in the elements and keeps these histories
 }
 

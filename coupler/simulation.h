@@ -119,6 +119,11 @@ class Simulation {
   void advance_bodies(Vec3& taken, double& scale);
   void check_candidates();
   void search(const ParticleView& particles, const fe::NodeView& nodes);
+  void search_as_before(const h5::Group& reference);
+  void save_numbers(h5::Group& group) const;
+  void load_numbers(const h5::Group& group);
+  void save_bodies(h5::Group& group) const;
+  void load_bodies(const h5::Group& group);
   void remember_reference();
   /// The infill as contact sees it, see `window_position_`.
   [[nodiscard]] ParticleView contact_view() const;

@@ -4,6 +4,7 @@
 
 #include "coupler/fastest.h"
 #include "coupler/simulation.h"
+#include "sph_infill/individual_steps.h"
 
 namespace tuft::coupler {
 namespace {
@@ -82,9 +83,10 @@ void Simulation::tell_contact_rates(double interval) {
   const double horizon = interval + parts_.numerics.individual_steps * plan_.window;
   const ParticleView particles = parts_.infill->particles();
   contact_rates_.assign(particles.size(), 0);
-  // What a gauge at a body reads follows its kicks: less than two intervals of the history apart.
-  const double of_readings =
-      (0.5 + 1e-4) * std::max(parts_.numerics.step_safety, Infill::most_of_stable_step) / interval_;
+  // What a gauge at a body reads follows its kicks: less than two intervals of the history apart, even where
+  // a period takes as much of the stable step as it may.
+  const double most_of_step = std::max(parts_.numerics.step_safety, sph::IndividualSteps::most_of_step);
+  const double of_readings = (0.5 + 1e-4) * most_of_step / interval_;
   particle_body_.raise_rates(particles, parts_.bodies, approaches_, horizon, !has_carpet(), of_readings,
                              contact_rates_);
   particle_shell_.raise_rates(contact_rates_);

@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
 #include <numeric>
 #include <string_view>
 
-#include "core/error.h"
+#include "core/checkpoint_values.h"
 #include "fe_carpet/carpet_impl.h"
 #include "fe_carpet/erosion.h"
 
@@ -12,21 +16,6 @@ void write_vectors(h5::Group& group, const std::string& name, const Vec3Array& v
   group.write(name + "_x", values.x);
   group.write(name + "_y", values.y);
   group.write(name + "_z", values.z);
-}
-
-std::vector<double> read_sized(const h5::Group& group, const std::string& name, std::size_t count) {
-  std::vector<double> values = group.read_doubles(name);
-  if (values.size() != count)
-    throw_input_error(
-        "checkpoint of the carpet: {} has {} values, the scene's carpet needs {}; it belongs to another "
-        "scene",
-        name, values.size(), count);
-  return values;
-}
-
-Vec3Array read_vectors(const h5::Group& group, const std::string& name, std::size_t count) {
-  return {read_sized(group, name + "_x", count), read_sized(group, name + "_y", count),
-          read_sized(group, name + "_z", count)};
 }
 
 /// Values of the elements' rows and thicknesses.
@@ -75,7 +64,20 @@ void restore_block_sums(const std::vector<double>& saved, std::vector<double>& b
   blocks.front() = std::accumulate(saved.begin(), saved.end(), 0.0);
 }
 
+/// A checkpoint's sums by block. How many there are is the writer's affair (see above), as many of each, and
+/// no more than elements.
+std::array<std::vector<double>, 2> read_block_sums(const h5::Group& group, std::size_t elements) {
+  std::array<std::vector<double>, 2> sums{h5::read_all_checked(group, "strain_work"),
+                                          h5::read_all_checked(group, "hourglass_work")};
+  if (sums[0].size() > elements || sums[0].empty() != (elements == 0))
+    h5::refuse(group, "strain_work",
+               fmt::format("holds sums of {} blocks of {} elements", sums[0].size(), elements));
+  h5::check_length(group, "hourglass_work", sums[1].size(), sums[0].size());
+  return sums;
+}
+
 constexpr std::size_t sums_width = 11;
+constexpr int most_steps = std::numeric_limits<int>::max();
 
 std::vector<double> flatten(const std::vector<NodeSums>& sums) {
   std::vector<double> flat;
@@ -147,32 +149,32 @@ void Carpet::load(const h5::Group& group) {
         "carpet: a checkpoint is loaded into a carpet as built, none of whose shells have failed");
   const std::size_t stored = c.nodes.motion.position.size();
   // All is read before anything is changed: a checkpoint that does not fit leaves the carpet as it was.
-  Vec3Array position = read_vectors(group, "position", stored),
-            velocity = read_vectors(group, "velocity", stored);
-  Vec3Array angular_velocity = read_vectors(group, "angular_velocity", stored);
-  const std::vector<double> state = read_sized(group, "element_state", state_size(c.elements));
-  const std::vector<double> sums = read_sized(group, "node_sums", c.nodes.sums.size() * sums_width);
-  const std::vector<double> strain_work = group.read_doubles("strain_work");
-  const std::vector<double> hourglass_work = group.read_doubles("hourglass_work");
-  const std::vector<double> eroded = read_sized(group, "eroded", c.elements.eroded.size());
-  const double eroded_energy = group.read_double("eroded_energy");
-  const double last_step = group.read_double("last_step"), time = group.read_double("time");
+  Vec3Array position = h5::read_vectors(group, "position", stored),
+            velocity = h5::read_vectors(group, "velocity", stored);
+  Vec3Array angular_velocity = h5::read_vectors(group, "angular_velocity", stored);
+  const std::vector<double> state = h5::read_checked(group, "element_state", state_size(c.elements));
+  const std::vector<double> sums = h5::read_checked(group, "node_sums", c.nodes.sums.size() * sums_width);
+  const auto [strain_work, hourglass_work] = read_block_sums(group, c.elements.element_count);
+  const std::vector<double> eroded = h5::read_whole(group, "eroded", c.elements.eroded.size(), {0, 1});
+  const double eroded_energy = h5::read_number(group, "eroded_energy");
+  const double last_step = h5::read_number(group, "last_step", h5::not_negative);
+  const double time = h5::read_number(group, "time");
   std::vector<double> grips;
-  if (!c.grips.nodes.empty()) grips = read_sized(group, "grips", 6 + 3 * c.grips.nodes.size());
-  const double damping = group.read_double("damping");
-  const std::uint64_t steps = group.read_count("steps");
-  const bool from_rest = group.read_count("from_rest") != 0;
+  if (!c.grips.nodes.empty()) grips = h5::read_checked(group, "grips", 6 + 3 * c.grips.nodes.size());
+  const double damping = h5::read_number(group, "damping", h5::not_negative);
+  const std::uint64_t steps = h5::read_count(group, "steps");
+  const bool from_rest = h5::read_flag(group, "from_rest");
 
   if (c.subcycling) {
     const h5::Group cycle = group.open_group("subcycling");
     Subcycling s = *c.subcycling;
-    s.window.position = read_vectors(cycle, "position", stored);
-    s.turn = read_vectors(cycle, "turn", c.nodes.size());
-    s.drifted = cycle.read_double("drifted");
-    s.owed = cycle.read_double("owed");
-    s.every = static_cast<int>(cycle.read_count("every"));
-    s.steps = static_cast<int>(cycle.read_count("steps"));
-    s.slow_evaluations = cycle.read_count("slow_evaluations");
+    s.window.position = h5::read_vectors(cycle, "position", stored);
+    s.turn = h5::read_vectors(cycle, "turn", c.nodes.size());
+    s.drifted = h5::read_number(cycle, "drifted");
+    s.owed = h5::read_number(cycle, "owed");
+    s.every = static_cast<int>(h5::read_whole(cycle, "every", 1, {1, most_steps}).front());
+    s.steps = static_cast<int>(h5::read_count(cycle, "steps", s.every - 1));
+    s.slow_evaluations = h5::read_count(cycle, "slow_evaluations");
     c.subcycling = std::move(s);
   }
 

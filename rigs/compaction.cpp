@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/checkpoint_values.h"
 #include "coupler/fastest.h"
 #include "coupler/layer_depth.h"
 
@@ -202,21 +203,21 @@ void Compaction::save(h5::Group& group) const {
 }
 
 void Compaction::load(const h5::Group& group) {
-  const std::vector<double> n = group.read_doubles("numbers");
-  start_ = n.at(0), plate_force_ = n.at(1), largest_pressure_ = n.at(2);
-  switch_.kinetic = n.at(3), switch_.let_go = n.at(4), switch_.fastest = n.at(5);
-  switch_.largest_overlap = n.at(6), switch_.started_as_placed = n.at(7);
-  switched_over_ = n.at(8) != 0;
-  settled_speed_ = n.at(9);
-  switch_.volume = n.at(10);
-  pressed_ = n.at(11), presses_ = static_cast<std::uint64_t>(n.at(12));
-  missing_ = n.at(13), stays_ = n.at(14) != 0;
-  element_steps_ = group.read_count("element_steps");
-  placed_ = group.read_doubles("placed"), under_plate_ = group.read_doubles("under_plate");
-  lifted_ = group.read_doubles("lifted"), switched_ = group.read_doubles("switched");
-  released_ = group.read_doubles("released");
-  switch_.density_mean = group.read_doubles("density_mean");
-  switch_.density_deviation = group.read_doubles("density_deviation");
+  const std::vector<double> n = h5::read_checked(group, "numbers", 15);
+  start_ = n[0], plate_force_ = n[1], largest_pressure_ = n[2];
+  switch_.kinetic = n[3], switch_.let_go = n[4], switch_.fastest = n[5];
+  switch_.largest_overlap = n[6], switch_.started_as_placed = n[7];
+  switched_over_ = n[8] != 0;
+  settled_speed_ = n[9];
+  switch_.volume = n[10];
+  h5::check_whole(group, "numbers", 12, n[12], {0, h5::most_counted});
+  pressed_ = n[11], presses_ = static_cast<std::uint64_t>(n[12]);
+  missing_ = n[13], stays_ = n[14] != 0;
+  element_steps_ = h5::read_count(group, "element_steps");
+  const auto read = [&](const char* name) { return h5::read_all_checked(group, name); };
+  placed_ = read("placed"), under_plate_ = read("under_plate"), lifted_ = read("lifted");
+  switched_ = read("switched"), released_ = read("released");
+  switch_.density_mean = read("density_mean"), switch_.density_deviation = read("density_deviation");
 }
 
 }  // namespace tuft::rigs

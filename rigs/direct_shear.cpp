@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/checkpoint_values.h"
 #include "rigs/row_table.h"
 
 namespace tuft::rigs {
@@ -308,11 +309,11 @@ void DirectShear::save(h5::Group& group) const {
 
 void DirectShear::load(const h5::Group& group) {
   load_rows(group, rows_);
-  const std::vector<double> state = group.read_doubles("state");
-  displacement_ = state.at(0);
-  height_ = state.at(1);
-  start_height_ = state.at(2);
-  speed_ = state.at(3);
+  const std::vector<double> state = h5::read_checked(group, "state", 4);
+  displacement_ = state[0];
+  height_ = state[1];
+  start_height_ = state[2];
+  speed_ = state[3];
 }
 
 }  // namespace tuft::rigs

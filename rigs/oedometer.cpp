@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "core/loading_branch.h"
 #include "rigs/row_table.h"
@@ -324,14 +326,15 @@ void Oedometer::save(h5::Group& group) const {
 
 void Oedometer::load(const h5::Group& group) {
   load_rows(group, rows_);
-  const std::vector<double> state = group.read_doubles("state");
-  height_before_ = state.at(0);
-  speed_ = state.at(1);
-  cycle_ = static_cast<int>(state.at(2));
-  loading_ = state.at(3) != 0;
-  height_ = state.at(4);
-  start_height_ = state.at(5);
-  seated_ = state.at(6) != 0;
+  const std::vector<double> state = h5::read_checked(group, "state", 7);
+  height_before_ = state[0];
+  speed_ = state[1];
+  h5::check_whole(group, "state", 2, state[2], {0, std::numeric_limits<int>::max()});
+  cycle_ = static_cast<int>(state[2]);
+  loading_ = state[3] != 0;
+  height_ = state[4];
+  start_height_ = state[5];
+  seated_ = state[6] != 0;
 }
 
 }  // namespace tuft::rigs

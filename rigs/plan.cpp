@@ -20,6 +20,7 @@
 #include "rigs/run.h"
 #include "rigs/run_state.h"
 #include "rigs/specimen_run.h"
+#include "rigs/window_remarks.h"
 
 namespace tuft::rigs {
 namespace {
@@ -84,6 +85,10 @@ GrainEstimate estimate_grains(const Scene& scene, bool clumps) {
   return estimate;
 }
 
+void add_remark(RunPlan& plan, const std::string& remark) {
+  if (!remark.empty()) plan.remarks.push_back(remark);
+}
+
 /// intervals: how many are stepped so.
 void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene, double interval,
                 std::uint64_t intervals) {
@@ -96,27 +101,6 @@ void take_steps(RunPlan& plan, const coupler::StableSteps& stable, const Scene& 
   plan.infill_step = steps.window / steps.infill_substeps;
   plan.windows += static_cast<std::uint64_t>(steps.windows) * intervals;
   plan.carpet_subcycle = steps.carpet_subcycle;
-}
-
-/// Windows divide the time between two rows of histories, which may make them much shorter than they need be.
-/// What is proposed leaves room for infill that stiffens: beyond it there would be as many windows as before.
-void remark_on_windows(RunPlan& plan, const coupler::StableSteps& stable, const Scene& scene,
-                       double interval) {
-  constexpr double rows_together = 1000;  // as if there were none, nearly
-  constexpr double room = 0.95, worth_saying = 1.25;
-  const double longest = coupler::plan_steps(stable, scene.numerics.step_safety,
-                                             scene.numerics.coupling_window, rows_together * interval)
-                             .window;
-  const double windows = std::max(1.0, std::round(interval / plan.window) - 1), digits = 2;
-  const double most = room * windows * longest;
-  const double unit = std::pow(10, std::floor(std::log10(most)) + 1 - digits);
-  const double other = unit * std::floor(most / unit * (1 + 1e-9));  // an interval that fits
-  const double gain = other / (windows * plan.window);
-  if (gain < worth_saying) return;
-  plan.remarks.push_back(fmt::format(
-      "windows of {:.3g} us, where {:.3g} us would be stable: whole numbers of them make up output.histories "
-      "({:.3g} us); with output.histories = \"{:.3g} us\" the run begins with {:.2g} times fewer",
-      1e6 * plan.window, 1e6 * longest, 1e6 * interval, 1e6 * other, gain));
 }
 
 void take_group_steps(RunPlan& plan, const fe::Carpet& carpet, double safety) {
@@ -179,7 +163,7 @@ void plan_by_running(RunPlan& plan, const Scene& scene) {
   // After the first intervals: which contacts bound the step is not known before.
   const coupler::StableSteps stable = simulation.stable_steps(schedule.interval);
   take_steps(plan, stable, scene, schedule.interval, intervals);
-  remark_on_windows(plan, stable, scene, schedule.interval);
+  add_remark(plan, remark_on_windows(stable, scene.numerics, schedule.interval, "output.histories"));
   plan.predicted_memory_bytes = peak_memory_bytes(0);
   const auto& shell = simulation.particle_shell();
   if (shell.initial_overlap().pairs > 0)
@@ -261,8 +245,9 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   // As Simulation::stable_steps has it.
   const double window =
       plan.shells > 0 ? carpet.stable_step() : 1 / std::hypot(1 / grains.own_step, 1 / grains.contact_step);
-  take_steps(plan, {window, grains.own_step, grains.contact_step, carpet.subcycle_ratio()}, scene,
-             schedule.interval, schedule.end);
+  const coupler::StableSteps stable{window, grains.own_step, grains.contact_step, carpet.subcycle_ratio()};
+  take_steps(plan, stable, scene, schedule.interval, schedule.end);
+  add_remark(plan, remark_on_windows(stable, scene.numerics, schedule.interval, "output.histories"));
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
   const double windows = static_cast<double>(plan.windows);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "rigs/row_table.h"
 
@@ -301,14 +302,15 @@ void PullOut::save(h5::Group& group) const {
 
 void PullOut::load(const h5::Group& group) {
   load_rows(group, rows_);
-  const std::vector<double> state = group.read_doubles("state");
-  held_ = static_cast<std::size_t>(state.at(0));
-  pressed_ = state.at(1) != 0;
-  grip_speed_ = state.at(2);
-  platen_speed_ = state.at(3);
-  displacement_ = state.at(4);
-  grip_impulse_ = state.at(5);
-  start_gap_ = state.at(6);
+  const std::vector<double> state = h5::read_checked(group, "state", 7);
+  h5::check_whole(group, "state", 0, state[0], h5::not_negative);
+  held_ = static_cast<std::size_t>(state[0]);
+  pressed_ = state[1] != 0;
+  grip_speed_ = state[2];
+  platen_speed_ = state[3];
+  displacement_ = state[4];
+  grip_impulse_ = state[5];
+  start_gap_ = state[6];
 }
 
 }  // namespace tuft::rigs

@@ -2,9 +2,12 @@
 
 #include "coupler/roller.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "core/scene_reader.h"
 
@@ -177,8 +180,21 @@ std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& p
     grains.layer = group.read_ints("layer");
     grains.material = group.read_ints("material");
     if (group.has("body")) grains.body = group.read_ints("body");
-    for (const Index material : grains.material)
-      grains.density.push_back(scene.materials.at(material).grain->density);
+    const std::size_t count = grains.radius.size();
+    h5::check_length(group, "x", grains.position.x.size(), count);
+    h5::check_length(group, "y", grains.position.y.size(), count);
+    h5::check_length(group, "z", grains.position.z.size(), count);
+    h5::check_length(group, "layer", grains.layer.size(), count);
+    h5::check_length(group, "material", grains.material.size(), count);
+    if (!grains.body.empty()) h5::check_length(group, "body", grains.body.size(), count);
+    const auto last = static_cast<double>(scene.materials.size()) - 1;
+    for (std::size_t k = 0; k < grains.material.size(); ++k) {
+      h5::check_whole(group, "material", k, grains.material[k], {0, last});
+      const Material& material = scene.materials[static_cast<std::size_t>(grains.material[k])];
+      if (!material.grain)
+        h5::refuse(group, "material", fmt::format("[{}] is \"{}\", not a grain", k, material.name));
+      grains.density.push_back(material.grain->density);
+    }
     return grains;
   } catch (const RunError& error) {
     throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",

@@ -18,6 +18,7 @@
 #include "rigs/process_memory.h"
 #include "rigs/pull_out.h"
 #include "rigs/run_outcome.h"
+#include "rigs/window_remarks.h"
 #include "rigs/xdmf.h"
 
 namespace tuft::rigs {
@@ -357,6 +358,14 @@ RunPlan plan_specimen(const Scene& scene) {
       share = rig->share_done();
     }
     plan.window = simulation->step_plan().window;
+    const double every = rig->interval();
+    // Rows are the rig's own here, and nothing to propose another interval for.
+    if (const std::string remark =
+            scene.numerics.coupling_window > 0
+                ? remark_on_windows(simulation->stable_steps(every), scene.numerics, every, "the rig's rows")
+                : "";
+        !remark.empty() && std::ranges::count(plan.remarks, remark) == 0)
+      plan.remarks.push_back(remark);
     const double done = rig->share_done() - share;
     if (!(done > 0)) continue;
     plan.predicted_wall_s += seconds_since(start) / done;

@@ -1,12 +1,16 @@
 #include "sph_infill/individual_steps.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <type_traits>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "sph_infill/particle_packs.h"
 
@@ -248,27 +252,40 @@ void IndividualSteps::save(h5::Group& group) const {
 
 void IndividualSteps::load(const h5::Group& group) {
   if (!enabled()) return;
-  const auto read = [&](const char* name, auto& values) {
+  const auto fill = [](const std::vector<double>& found, auto& values) {
     using Value = typename std::remove_reference_t<decltype(values)>::value_type;
-    const std::vector<double> found = group.read_doubles(name);
-    if (found.size() != values.size())
-      throw_input_error(
-          "checkpoint of SPH infill holds {} values of {}, but the scene needs {}; it belongs to another "
-          "scene",
-          found.size(), name, values.size());
     std::transform(found.begin(), found.end(), values.begin(),
                    [](double v) { return static_cast<Value>(v); });
   };
-  read("steps_period", period_), read("steps_kick_period", kick_period_);
-  read("steps_pace", pace_), read("steps_since_kick_count", steps_since_kick_);
-  read("steps_own_rate", own_rate_);
-  read("steps_rate", rate_), read("steps_contact_rate", contact_rate_);
-  read("steps_since_kick", since_kick_), read("steps_planned", planned_);
-  read("steps_since_strain", since_strain_);
+  const auto read = [&](const char* name, auto& values, h5::Bounds bounds) {
+    fill(h5::read_checked(group, name, values.size(), bounds), values);
+  };
+  const auto check_power = [&](const char* name, std::size_t entry, std::uint32_t value) {
+    if (!std::has_single_bit(value))
+      h5::refuse(group, name, fmt::format("[{}] is {}; it must be a power of two", entry, value));
+  };
+  const auto read_powers = [&](const char* name, std::vector<std::uint8_t>& values) {
+    fill(h5::read_whole(group, name, values.size(), {1, static_cast<double>(largest_)}), values);
+    for (std::size_t g = 0; g < values.size(); ++g) check_power(name, g, values[g]);
+  };
+  read_powers("steps_period", period_), read_powers("steps_kick_period", kick_period_);
+  read_powers("steps_pace", pace_);
+  fill(h5::read_whole(group, "steps_since_kick_count", groups(), {0, 255}), steps_since_kick_);
+  const h5::Bounds rate{0, h5::single_precision.most};
+  read("steps_own_rate", own_rate_, rate), read("steps_rate", rate_, rate);
+  read("steps_contact_rate", contact_rate_, {0, h5::unbounded});
+  read("steps_since_kick", since_kick_, h5::not_negative);
+  read("steps_planned", planned_, h5::not_negative);
+  read("steps_since_strain", since_strain_, h5::not_negative);
   std::array<std::uint32_t, 4> numbers{};
-  read("steps_numbers", numbers);
+  constexpr const char* numbers_name = "steps_numbers";
+  fill(h5::read_whole(group, numbers_name, numbers.size(), {0, std::numeric_limits<std::uint32_t>::max()}),
+       numbers);
   std::tie(phase_, cycle_, since_chosen_, since_wanted_) = std::tuple_cat(numbers);
-  in_step_ = group.read_count("steps_in_step") != 0;
+  h5::check_whole(group, numbers_name, 0, phase_, {0, most - 1});
+  h5::check_whole(group, numbers_name, 1, cycle_, {1, static_cast<double>(largest_)});
+  check_power(numbers_name, 1, cycle_);
+  in_step_ = h5::read_flag(group, "steps_in_step");
 }
 
 }  // namespace tuft::sph

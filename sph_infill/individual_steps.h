@@ -31,6 +31,9 @@ struct Particles;
 class IndividualSteps {
  public:
   static constexpr int most = 16;
+  /// Share of the stable step beyond which a period is shortened, at once; stable steps are known to that
+  /// factor. Periods are chosen, now and then, for numerics.step_safety of it.
+  static constexpr double most_of_step = 0.9;
 
   IndividualSteps() = default;
   /// largest: longest period, a power of two up to `most`; 1: all particles take every step, at no cost.
@@ -88,8 +91,7 @@ class IndividualSteps {
 
  private:
   static constexpr std::uint8_t strained = 1, kicked = 2;
-  /// Of the stable step; a period beyond it is shortened. Stable steps are known to that factor.
-  static constexpr double most_of_step = Infill::most_of_stable_step, growth_noted = 1.05;
+  static constexpr double growth_noted = 1.05;  ///< of a group's rate over that of all around
   /// Steps after which they are chosen anew.
   static constexpr std::uint32_t chosen_every = 64;
 

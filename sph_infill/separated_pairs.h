@@ -20,7 +20,7 @@ class SeparatedPairs {
   /// All pairs closer than `reach` (m) whose line of centres a sheet crosses, or passes its edge by no
   /// more than some 0.02 of the reach. A particle in the plane of a sheet counts as above it.
   SeparatedPairs(const Vec3Array& positions, std::span<const Sheet> sheets, double reach);
-  /// As `values` gave them, of `count` particles.
+  /// As `values` gave them, of `count` particles; sizes and order are the caller's to check.
   SeparatedPairs(std::span<const double> values, std::size_t count);
 
   [[nodiscard]] bool empty() const { return partner_.empty(); }

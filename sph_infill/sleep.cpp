@@ -4,7 +4,7 @@
 #include <numeric>
 #include <string>
 
-#include "core/error.h"
+#include "core/checkpoint_values.h"
 #include "core/parallel.h"
 #include "sph_infill/sph_loops.h"
 
@@ -167,21 +167,17 @@ void Sleep::save(h5::Group& group, const NeighbourList& list) const {
 
 void Sleep::load(const h5::Group& group, NeighbourList& list) {
   if (!enabled()) return;
-  const auto read = [&](const std::string& name, std::size_t expected) {
-    std::vector<double> values = group.read_doubles(name);
-    if (values.size() != expected)
-      throw_input_error(
-          "checkpoint of SPH infill holds {} values of {}, but the scene needs {}; it belongs to "
-          "another scene",
-          values.size(), name, expected);
-    return values;
-  };
   const std::size_t blocks = held_.size();
-  const std::vector<double> held = read("sleep_held", blocks), quiet = read("sleep_quiet", blocks),
-                            listed = read("sleep_listed", blocks),
-                            count = read("sleep_neighbour_count", blocks);
+  const auto count_of_blocks = static_cast<double>(blocks);
+  const double longest_quiet = std::max(quiet_steps, 2 * longest_period_);
+  const std::vector<double> held = h5::read_whole(group, "sleep_held", blocks, {0, 1}),
+                            quiet = h5::read_whole(group, "sleep_quiet", blocks, {0, longest_quiet}),
+                            listed = h5::read_whole(group, "sleep_listed", blocks, {0, 1}),
+                            count =
+                                h5::read_whole(group, "sleep_neighbour_count", blocks, {0, count_of_blocks});
   const auto total = static_cast<std::size_t>(std::accumulate(count.begin(), count.end(), 0.0));
-  const std::vector<double> neighbours = read("sleep_neighbours", total);
+  const std::vector<double> neighbours =
+      h5::read_whole(group, "sleep_neighbours", total, {0, count_of_blocks - 1});
   auto next = neighbours.begin();
   for (std::size_t b = 0; b < blocks; ++b) {
     held_[b] = held[b] != 0 ? 1 : 0;
@@ -193,7 +189,8 @@ void Sleep::load(const h5::Group& group, NeighbourList& list) {
       neighbours_[b].push_back(static_cast<Index>(*next++));
   }
   for (std::size_t d = 0; d < contact_.size(); ++d) {
-    const std::vector<double> force = read(contact_names[d], particles_);
+    const std::vector<double> force =
+        h5::read_checked(group, contact_names[d], particles_, h5::single_precision);
     std::transform(force.begin(), force.end(), contact_[d].begin(),
                    [](double f) { return static_cast<float>(f); });
   }

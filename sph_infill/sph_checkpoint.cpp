@@ -1,63 +1,72 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <string>
 
-#include "core/error.h"
+#include "core/checkpoint_values.h"
 #include "sph_infill/sph_infill_impl.h"
 
 namespace tuft::sph {
 namespace {
 
-/// Every array that a checkpoint holds, by name, for `visit(name, std::vector<double>&)`.
+/// Every array that a checkpoint holds, by name and with what is allowed, for `visit(name, bounds,
+/// std::vector<double>&)`.
 template <class ParticlesType, class Visit>
 void visit_state(ParticlesType& p, Visit&& visit) {
-  visit("x", p.position.x), visit("y", p.position.y), visit("z", p.position.z);
-  visit("vx", p.velocity.x), visit("vy", p.velocity.y), visit("vz", p.velocity.z);
-  visit("compression", p.compression);
-  visit("largest_compression", p.largest_compression);
-  visit("plastic_compression", p.plastic_compression);
-  visit("pressure", p.pressure);
-  visit("bulk_modulus", p.bulk_modulus);
-  visit("volume", p.volume);
+  const h5::Bounds compression{std::log(smallest_density_ratio), std::log(largest_density_ratio)};
+  const auto finite = [&](const char* name, auto& values) { visit(name, h5::finite, values); };
+  finite("x", p.position.x), finite("y", p.position.y), finite("z", p.position.z);
+  finite("vx", p.velocity.x), finite("vy", p.velocity.y), finite("vz", p.velocity.z);
+  visit("compression", compression, p.compression);
+  finite("largest_compression", p.largest_compression);
+  finite("plastic_compression", p.plastic_compression);
+  finite("pressure", p.pressure);
+  visit("bulk_modulus", h5::not_negative, p.bulk_modulus);
+  visit("volume", h5::positive, p.volume);
   constexpr std::array names{"sxx", "syy", "szz", "sxy", "syz", "szx"};
-  for (std::size_t c = 0; c < names.size(); ++c) visit(names[c], p.deviator[c]);
-  if (!p.lost_strength.empty()) visit("lost_strength", p.lost_strength);
+  for (std::size_t c = 0; c < names.size(); ++c) finite(names[c], p.deviator[c]);
+  if (!p.lost_strength.empty()) visit("lost_strength", h5::Bounds{0, 1}, p.lost_strength);
 }
 
 /// Every number that a checkpoint holds.
 template <class ImplType, class Visit>
 void visit_numbers(ImplType& m, Visit&& visit) {
-  visit("time", m.time);
-  visit("step_before", m.step_before);
-  visit("damping", m.damping);
-  visit("stable_step", m.stable_step);
-  visit("energy_kinetic", m.energy.kinetic);
-  visit("energy_stored", m.energy.stored);
-  visit("energy_dissipated", m.energy.dissipated);
-  visit("energy_gravity", m.energy.gravity_potential);
-  visit("energy_damping", m.energy.damping);
-  visit("energy_contact", m.energy.contact_work);
-  visit("energy_expelled", m.energy.expelled);
-  visit("expelled_mass", m.expelled.mass);
-  visit("expelled_momentum_x", m.expelled.momentum.x());
-  visit("expelled_momentum_y", m.expelled.momentum.y());
-  visit("expelled_momentum_z", m.expelled.momentum.z());
-  visit("expelled_kinetic_energy", m.expelled.kinetic_energy);
-  visit("energy_let_go", m.energy.let_go);
-  visit("pending_viscous", m.pending.viscous);
-  visit("pending_damping", m.pending.damping);
-  visit("pending_contact", m.pending.contact);
-  visit("pending_holding", m.pending.holding);
-  visit("pending_expelled", m.pending.expelled);
+  const auto finite = [&](const char* name, auto& value) { visit(name, h5::finite, value); };
+  finite("time", m.time);
+  visit("step_before", h5::not_negative, m.step_before);
+  visit("damping", h5::not_negative, m.damping);
+  visit("stable_step", h5::Bounds{h5::positive.least, h5::unbounded}, m.stable_step);
+  finite("energy_kinetic", m.energy.kinetic);
+  finite("energy_stored", m.energy.stored);
+  finite("energy_dissipated", m.energy.dissipated);
+  finite("energy_gravity", m.energy.gravity_potential);
+  finite("energy_damping", m.energy.damping);
+  finite("energy_contact", m.energy.contact_work);
+  finite("energy_expelled", m.energy.expelled);
+  visit("expelled_mass", h5::not_negative, m.expelled.mass);
+  finite("expelled_momentum_x", m.expelled.momentum.x());
+  finite("expelled_momentum_y", m.expelled.momentum.y());
+  finite("expelled_momentum_z", m.expelled.momentum.z());
+  finite("expelled_kinetic_energy", m.expelled.kinetic_energy);
+  finite("energy_let_go", m.energy.let_go);
+  finite("pending_viscous", m.pending.viscous);
+  finite("pending_damping", m.pending.damping);
+  finite("pending_contact", m.pending.contact);
+  finite("pending_holding", m.pending.holding);
+  finite("pending_expelled", m.pending.expelled);
 }
 
-std::vector<double> read_array(const h5::Group& group, const std::string& name, std::size_t count) {
-  std::vector<double> values = group.read_doubles(name);
-  if (values.size() != count)
-    throw_input_error(
-        "checkpoint of SPH infill holds {} values of {}, but the scene has {} particles; it belongs to "
-        "another scene",
-        values.size(), name, count);
-  return values;
+/// What is no particle any more may be anywhere; the rest is where it belongs, or the list of neighbours
+/// would reach as far.
+void check_places(const h5::Group& group, const std::array<const char*, 3>& names, const Vec3Array& places,
+                  const TurfBox& box, const std::vector<std::uint8_t>& expelled) {
+  const std::array<const std::vector<double>*, 3> axes{&places.x, &places.y, &places.z};
+  for (std::size_t d = 0; d < axes.size(); ++d)
+    for (std::size_t i = 0; i < axes[d]->size(); ++i)
+      if (expelled.empty() || expelled[i] == 0)
+        h5::check_value(group, names[d], i, (*axes[d])[i],
+                        {box.low[static_cast<Eigen::Index>(d)], box.high[static_cast<Eigen::Index>(d)]});
 }
 
 /// Records of floats as plain values, and back.
@@ -83,9 +92,10 @@ void set_values(const std::vector<double>& values, std::vector<Record>& records)
 
 void SphInfill::save(h5::Group& group) {
   Impl& m = *impl_;
-  visit_state(m.particles,
-              [&](const char* name, const std::vector<double>& values) { group.write(name, values); });
-  visit_numbers(m, [&](const char* name, double value) { group.write_scalar(name, value); });
+  visit_state(m.particles, [&](const char* name, h5::Bounds, const std::vector<double>& values) {
+    group.write(name, values);
+  });
+  visit_numbers(m, [&](const char* name, h5::Bounds, double value) { group.write_scalar(name, value); });
   group.write_scalar("particle_steps", m.particle_steps);
   if (!m.list.separated().empty()) group.write("separated_pairs", m.list.separated().values());
   group.write("expelled", std::vector<double>(m.expelled_index.begin(), m.expelled_index.end()));
@@ -118,18 +128,21 @@ void SphInfill::Impl::save_steps(h5::Group& group) const {
 
 void SphInfill::Impl::load_steps(const h5::Group& group) {
   steps.load(group);
-  list.set_skin(group.read_double("list_skin"));
   const std::size_t n = particles.size();
-  list.build({read_array(group, "list_place_x", n), read_array(group, "list_place_y", n),
-              read_array(group, "list_place_z", n)});
+  // As `best_skin` bounds it, and rounding.
+  const h5::Bounds skins{h5::positive.least, 2 * pitch};
+  list.set_skin(h5::read_number(group, "list_skin", skins));
+  Vec3Array places = h5::read_vectors(group, "list_place", n);
+  check_places(group, {"list_place_x", "list_place_y", "list_place_z"}, places, box, expelled_mask);
+  list.build(places);
   // A list that is to be built for another reason than motion takes the skin that was found last.
-  list.set_skin(group.read_double("list_next_skin"));
-  list_steps = group.read_count("list_steps");
-  moved_before = group.read_double("list_moved_before");
-  const std::vector<double> own = read_array(group, "own_step", particles.size());
+  list.set_skin(h5::read_number(group, "list_next_skin", skins));
+  list_steps = h5::read_count(group, "list_steps");
+  moved_before = h5::read_number(group, "list_moved_before", h5::not_negative);
+  const std::vector<double> own = h5::read_checked(group, "own_step", n, {0, h5::unbounded});
   std::transform(own.begin(), own.end(), particles.own_step.begin(),
                  [](double v) { return static_cast<float>(v); });
-  const std::vector<double> e = read_array(group, "energy_in_step", 8);
+  const std::vector<double> e = h5::read_checked(group, "energy_in_step", 8);
   energy_in_step = {e[0], e[1], e[2], e[3], e[4], e[5], e[6], e[7]};
 }
 
@@ -143,13 +156,15 @@ void SphInfill::Impl::save_records(h5::Group& group) const {
 }
 
 void SphInfill::Impl::load_records(const h5::Group& group) {
-  displacement = group.read_double("displacement");
-  const std::vector<double> moving = read_array(group, "frame", 3);
+  displacement = h5::read_number(group, "displacement", {0, h5::unbounded});
+  const std::vector<double> moving = h5::read_checked(group, "frame", 3);
   frame = Vec3(moving[0], moving[1], moving[2]);
-  set_values(read_array(group, "stress_records", particles.stress.size() * StressRecord::values),
-             particles.stress);
-  set_values(read_array(group, "residual_records", particles.residual.size() * ResidualRecord::values),
-             particles.residual);
+  const auto read = [&](const char* name, auto& records) {
+    using Record = typename std::remove_reference_t<decltype(records)>::value_type;
+    set_values(h5::read_checked(group, name, records.size() * Record::values, h5::single_precision), records);
+  };
+  read("stress_records", particles.stress);
+  read("residual_records", particles.residual);
 }
 
 void SphInfill::Impl::save_sleep(h5::Group& group) const {
@@ -163,8 +178,10 @@ void SphInfill::Impl::save_sleep(h5::Group& group) const {
 
 void SphInfill::Impl::load_sleep(const h5::Group& group) {
   sleep.load(group, list);
-  const std::vector<double> potential = read_array(group, "block_gravity_potential", kick_blocks.size()),
-                            stable = read_array(group, "block_stable_step", stress_blocks.size());
+  const std::vector<double> potential =
+      h5::read_checked(group, "block_gravity_potential", kick_blocks.size());
+  const std::vector<double> stable =
+      h5::read_checked(group, "block_stable_step", stress_blocks.size(), {h5::positive.least, h5::unbounded});
   for (std::size_t b = 0; b < potential.size(); ++b) {
     kick_blocks[b] = {};
     kick_blocks[b].gravity_potential = potential[b];
@@ -172,26 +189,56 @@ void SphInfill::Impl::load_sleep(const h5::Group& group) {
   }
 }
 
+/// In the order in which they left.
+void SphInfill::Impl::load_expelled(const h5::Group& group) {
+  expelled.particles = 0;
+  const auto last = static_cast<double>(particles.size()) - 1;
+  const std::vector<double> indices = h5::read_all_whole(group, "expelled", {0, last});
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const auto i = static_cast<std::size_t>(indices[k]);
+    if (!expelled_mask.empty() && expelled_mask[i] != 0)
+      h5::refuse(group, "expelled", fmt::format("[{}] is {}, as one before it", k, i));
+    take_out(static_cast<Index>(i));
+    ++expelled.particles;
+  }
+}
+
+void SphInfill::Impl::load_separated(const h5::Group& group) {
+  SeparatedPairs pairs;
+  if (group.has("separated_pairs")) {
+    const auto last = static_cast<double>(particles.size()) - 1;
+    const std::vector<double> values = h5::read_all_whole(group, "separated_pairs", {0, last});
+    if (values.size() % 2 != 0)
+      h5::refuse(group, "separated_pairs", fmt::format("holds {} values, which are no pairs", values.size()));
+    for (std::size_t k = 0; k < values.size(); k += 2)
+      if (!(values[k] < values[k + 1]))
+        h5::refuse(
+            group, "separated_pairs",
+            fmt::format("[{}] is {} and the next {}; the lower comes first", k, values[k], values[k + 1]));
+    pairs = SeparatedPairs(values, particles.size());
+  }
+  list.separate(std::move(pairs));
+}
+
 void SphInfill::load(const h5::Group& group) {
   Impl& m = *impl_;
   const std::size_t n = m.particles.size();
-  visit_state(m.particles,
-              [&](const char* name, std::vector<double>& values) { values = read_array(group, name, n); });
-  visit_numbers(m, [&](const char* name, double& value) { value = group.read_double(name); });
-  m.particle_steps = group.read_count("particle_steps");
+  visit_state(m.particles, [&](const char* name, h5::Bounds bounds, std::vector<double>& values) {
+    values = h5::read_checked(group, name, n, bounds);
+  });
+  visit_numbers(m, [&](const char* name, h5::Bounds bounds, double& value) {
+    value = h5::read_number(group, name, bounds);
+  });
+  m.particle_steps = h5::read_count(group, "particle_steps");
   m.took_over = group.has("reference_volume");
   if (m.took_over) {
-    m.particles.reference_volume = read_array(group, "reference_volume", n);
-    m.loosest_started = group.read_count("loosest_started");
+    m.particles.reference_volume = h5::read_checked(group, "reference_volume", n, h5::positive);
+    m.loosest_started = h5::read_count(group, "loosest_started");
   }
   m.particles.record_motion();
-  m.expelled.particles = 0;
-  for (const double index : group.read_doubles("expelled")) {
-    m.take_out(static_cast<Index>(index));
-    ++m.expelled.particles;
-  }
-  m.list.separate(group.has("separated_pairs") ? SeparatedPairs(group.read_doubles("separated_pairs"), n)
-                                               : SeparatedPairs());
+  m.load_expelled(group);
+  check_places(group, {"x", "y", "z"}, m.particles.position, m.box, m.expelled_mask);
+  m.load_separated(group);
   m.list.build(m.particles.position);
   if (m.sleep.enabled()) m.load_sleep(group);
   if (m.steps.enabled()) m.load_steps(group);

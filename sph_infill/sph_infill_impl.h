@@ -57,6 +57,8 @@ struct SphInfill::Impl {
   void load_steps(const h5::Group& group);
   void save_records(h5::Group& group) const;
   void load_records(const h5::Group& group);
+  void load_expelled(const h5::Group& group);
+  void load_separated(const h5::Group& group);
   void record_energy(const StressSums& stress, const KickSums& kicked);
   /// After the whole list was built.
   void note_neighbours();

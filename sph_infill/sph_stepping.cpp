@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "core/error.h"
@@ -23,6 +24,10 @@ constexpr std::uint64_t long_service = 50;
 
 /// Of all pairs, those that a step goes over where steps are individual and most of a bed is in motion.
 constexpr double share_with_own_steps = 0.4;
+
+/// What there is to do where a particle's state is no more what it can be.
+constexpr std::string_view advice =
+    "the run is unstable: lower numerics.step_safety, or look at what loads this particle (frames of run.h5)";
 
 /// A step's pairs cost (reach + skin)^3, its share of a rebuild 2 move/skin times what a rebuild costs, some
 /// 1.5 times all pairs (1.3 to 1.5 at 75 neighbours, 1.7 at 17): the sum is least at this skin. move: m a
@@ -229,31 +234,30 @@ void SphInfill::Impl::report_invalid_stress() const {
     if (!(ratio > smallest_density_ratio && ratio < largest_density_ratio))
       throw_run_error(
           "SPH infill: particle {} at t = {:.6g} s: density is {:.6g} times the reference, outside [{}, {}]; "
-          "the run "
-          "is unstable: lower numerics.step_safety, or look at what loads this particle",
-          i, time, ratio, smallest_density_ratio, largest_density_ratio);
+          "{}",
+          i, time, ratio, smallest_density_ratio, largest_density_ratio, advice);
     if (!std::isfinite(s.pressure))
-      throw_run_error("SPH infill: particle {} at t = {:.6g} s: pressure is {} Pa", i, time, s.pressure);
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: pressure is {} Pa; {}", i, time, s.pressure,
+                      advice);
     if (!std::isfinite(double_dot(s.deviator, s.deviator)))
-      throw_run_error("SPH infill: particle {} at t = {:.6g} s: deviatoric stress is not finite", i, time);
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: deviatoric stress is not finite; {}", i, time,
+                      advice);
   }
-  throw_run_error("SPH infill at t = {:.6g} s: an invalid stress was found, then not again", time);
+  throw_run_error("SPH infill at t = {:.6g} s: an invalid stress was found, then not again; {}", time,
+                  advice);
 }
 
 void SphInfill::Impl::report_invalid_motion() const {
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Vec3 v = particles.velocity[i], x = particles.position[i];
     if (!v.allFinite())
-      throw_run_error(
-          "SPH infill: particle {} at t = {:.6g} s: velocity is ({}, {}, {}) m/s; look at the contact that "
-          "loads "
-          "it, or lower numerics.step_safety",
-          i, time, v.x(), v.y(), v.z());
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: velocity is ({}, {}, {}) m/s; {}", i, time,
+                      v.x(), v.y(), v.z(), advice);
     if (!x.allFinite())
-      throw_run_error("SPH infill: particle {} at t = {:.6g} s: position is ({}, {}, {}) m", i, time, x.x(),
-                      x.y(), x.z());
+      throw_run_error("SPH infill: particle {} at t = {:.6g} s: position is ({}, {}, {}) m; {}", i, time,
+                      x.x(), x.y(), x.z(), advice);
   }
-  throw_run_error("SPH infill at t = {:.6g} s: speeds are too large to square; the run is unstable", time);
+  throw_run_error("SPH infill at t = {:.6g} s: speeds are too large to square; {}", time, advice);
 }
 
 }  // namespace tuft::sph

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "sph_infill/compaction.h"
 #include "sph_infill/particle_packs.h"
@@ -369,14 +370,12 @@ void SphereInfill::load(const h5::Group& group) {
   Impl& m = *impl_;
   const auto read = [&](const std::string& name, Vec3Array& v) {
     const std::size_t n = v.size();
-    v = {group.read_doubles(name + "x"), group.read_doubles(name + "y"), group.read_doubles(name + "z")};
-    if (v.x.size() != n || v.y.size() != n || v.z.size() != n)
-      throw_input_error("checkpoint holds {} spheres, but the scene has {}; it belongs to another scene",
-                        v.x.size(), n);
+    v = {h5::read_checked(group, name + "x", n), h5::read_checked(group, name + "y", n),
+         h5::read_checked(group, name + "z", n)};
   };
   read("position_", m.position), read("velocity_", m.velocity), read("spin_", m.spin);
-  m.visit_numbers([&](const char* name, double& value) { value = group.read_double(name); });
-  m.particle_steps = group.read_count("particle_steps");
+  m.visit_numbers([&](const char* name, double& value) { value = h5::read_number(group, name); });
+  m.particle_steps = h5::read_count(group, "particle_steps");
   m.displacement = 0;
   m.pairs.load(group.open_group("contacts"), m.view());
 }

@@ -1,9 +1,11 @@
 #include "sph_infill/sphere_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "core/checkpoint_values.h"
 #include "sph_infill/particle_packs.h"
 
 namespace tuft::sph {
@@ -156,24 +158,24 @@ void SpherePairs::save(h5::Group& group) const {
 }
 
 void SpherePairs::load(const h5::Group& group, const SphereView& spheres) {
-  const std::vector<std::int32_t> pairs = group.read_ints("pairs");
-  const std::vector<double> slips = group.read_doubles("slips");
+  const auto last = static_cast<double>(spheres.mass.size()) - 1;
+  const std::vector<double> pairs = h5::read_all_whole(group, "pairs", {0, last});
+  if (pairs.size() % 2 != 0)
+    h5::refuse(group, "pairs", fmt::format("holds {} values, which are no pairs", pairs.size()));
+  const std::vector<double> slips = h5::read_checked(group, "slips", pairs.size() / 2 * 3);
   list(spheres);
   slip_.assign(first_.size(), 0);
-  for (std::size_t p = 0; 2 * p + 1 < pairs.size(); ++p) {
-    const Index i = pairs[2 * p], j = pairs[2 * p + 1];
-    const bool known = i >= 0 && static_cast<std::size_t>(i) < spheres.mass.size();
-    const auto end =
-        known ? second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i) + 1])
-              : second_.end();
-    const auto found =
-        known
-            ? std::lower_bound(
-                  second_.begin() + static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(i)]), end, j)
-            : end;
-    if (found == end || *found != j) throw_run_error("spheres {} and {} are no pair", i, j);
+  for (std::size_t p = 0; 2 * p < pairs.size(); ++p) {
+    const auto i = static_cast<std::size_t>(pairs[2 * p]);
+    const auto j = static_cast<Index>(pairs[2 * p + 1]);
+    const auto row = [&](std::size_t k) { return second_.begin() + static_cast<std::ptrdiff_t>(begin_[k]); };
+    const auto found = std::lower_bound(row(i), row(i + 1), j);
+    if (found == row(i + 1) || *found != j)
+      h5::refuse(group, "pairs",
+                 fmt::format("[{}] and [{}] are spheres {} and {}, which are too far apart to touch", 2 * p,
+                             2 * p + 1, i, j));
     slip_.set(static_cast<std::size_t>(found - second_.begin()),
-              Vec3(slips.at(3 * p), slips.at(3 * p + 1), slips.at(3 * p + 2)));
+              Vec3(slips[3 * p], slips[3 * p + 1], slips[3 * p + 2]));
   }
 }
 

@@ -16,6 +16,7 @@ class CyclicLoading : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, CyclicLoading,
                          testing::Values(test::Numerics{test::Preset::accurate},
                                          test::Numerics{test::Preset::accurate, 0.3, 0.05},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
                                          test::Numerics{test::Preset::paper}));
 
 /// A block between plates in a slip box, pressed by 5 % and then a hundred times between 5 % and 4 %, where

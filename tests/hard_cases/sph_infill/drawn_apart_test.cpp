@@ -11,6 +11,7 @@ class DrawnApart : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, DrawnApart,
                          testing::Values(test::Numerics{test::Preset::accurate},
                                          test::Numerics{test::Preset::accurate, 0.3, 0.05},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
                                          test::Numerics{test::Preset::paper},
                                          test::Numerics{test::Preset::paper, 0.3, 0.05}));
 

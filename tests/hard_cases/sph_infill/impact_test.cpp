@@ -35,6 +35,8 @@ class SphBlow : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, SphBlow,
                          testing::Values(test::Numerics{test::Preset::accurate},
                                          test::Numerics{test::Preset::accurate, 0.3, 0.05},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
+                                         test::Numerics{test::Preset::paper},
                                          test::Numerics{test::Preset::paper, 0.3, 0.05}));
 
 TEST_P(SphBlow, SandOverRubberFiftyTimesSofterLandsWithItsEnergyInBalance) {

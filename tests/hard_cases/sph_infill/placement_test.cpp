@@ -23,6 +23,8 @@ INSTANTIATE_TEST_SUITE_P(Distances, CoincidentParticles,
                          testing::Values(Placement{{test::Preset::accurate}, 0},
                                          Placement{{test::Preset::accurate}, 1e-6},
                                          Placement{{test::Preset::accurate, 0.3, 0.05}, 0},
+                                         Placement{{test::Preset::fast, 0.3, 0.05}, 0},
+                                         Placement{{test::Preset::fast, 0.3, 0.05}, 1e-6},
                                          Placement{{test::Preset::paper}, 0},
                                          Placement{{test::Preset::paper}, 1e-6},
                                          Placement{{test::Preset::paper, 0.3, 0.05}, 1e-6}));
@@ -67,6 +69,7 @@ TEST_P(CoincidentParticles, DoNotUpsetTheBlockTheyAreIn) {
 class ParticleAtAWall : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, ParticleAtAWall,
                          testing::Values(test::Numerics{test::Preset::accurate},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
                                          test::Numerics{test::Preset::paper}));
 
 /// Its spring holds half a pitch of overlap from the start, and shoots it into the block at most of the speed

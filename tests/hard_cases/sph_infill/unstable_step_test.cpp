@@ -42,6 +42,8 @@ class UnstableStep : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, UnstableStep,
                          testing::Values(test::Numerics{test::Preset::accurate, 0},
                                          test::Numerics{test::Preset::accurate, 0.3, 0.05},
+                                         test::Numerics{test::Preset::fast, 0},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
                                          test::Numerics{test::Preset::paper, 0},
                                          test::Numerics{test::Preset::paper, 0.3, 0.05}));
 
@@ -52,6 +54,7 @@ TEST_P(UnstableStep, OfAnElasticBlockIsCaughtNamingAParticle) {
   EXPECT_NE(outcome.error.find("particle "), std::string::npos)
       << "not caught in " << outcome.steps << " steps";
   EXPECT_NE(outcome.error.find("t = "), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("lower numerics.step_safety"), std::string::npos) << outcome.error;
 }
 
 TEST_P(UnstableStep, OfABlockThatYieldsAndTearsIsSeenByTheEnergyLedger) {

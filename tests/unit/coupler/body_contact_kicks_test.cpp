@@ -90,7 +90,7 @@ TEST(KicksAtABody, AreMeasuredOnAfterASearchAndFromACheckpoint) {
     ball.contact().save(group);
     stored.commit();
   }
-  resumed.contact().load(h5::File::open(file).root());
+  resumed.contact().load(h5::File::open(file).root(), 1);
   std::filesystem::remove(file);
   EXPECT_EQ(resumed.evaluate(0).measured[0], held);
 }

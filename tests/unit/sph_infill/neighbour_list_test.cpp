@@ -142,33 +142,6 @@ TEST(NeighbourList, KnowsWhichGroupsAreNearEachOtherWherePlacesAreKept) {
   expect_near_groups_of_rows(rows_of_points(13, 0.1, 20), 0.23);
 }
 
-/// What a loop asks for ahead is what it reads, but for what it has read not four blocks ago.
-TEST(NeighbourList, FirstReadsAreAllThatRowsReadAndTheBlocksJustBeforeHaveNot) {
-  constexpr std::size_t groups_per_block = block_size / group_size, remembered = 4;
-  const Vec3Array points = rows_of_points(16, 0.1, 21);
-  const int threads = omp_get_max_threads();
-  set_threads(1);
-  NeighbourList list(points, 0.15, 0.01);
-  list.keep_places();
-  list.build(points);
-  set_threads(threads);
-  std::vector<std::size_t> last_read(points.size() / group_size, 0);  // block + 1
-  std::size_t asked_for = 0;
-  for (std::size_t g = 0; g < last_read.size(); ++g) {
-    const std::size_t now = g / groups_per_block + 1;
-    std::vector<Index> missing;
-    for (const Index other : list.groups_near(g)) {
-      std::size_t& last = last_read[static_cast<std::size_t>(other)];
-      if (last == 0 || now - last >= remembered) missing.push_back(other);
-      last = now;
-    }
-    asked_for += missing.size();
-    if (now < remembered) continue;  // blocks before may have been those of another list
-    EXPECT_TRUE(std::ranges::equal(list.groups_first_read(g), missing)) << "group " << g;
-  }
-  EXPECT_LT(asked_for, 2 * last_read.size()) << "most are in a cache when a group reads them again";
-}
-
 TEST(NeighbourList, FindsRowsOfAGroupThatIsScatteredOverTheWholeBox) {
   // Neighbours in space are far apart in index: every group takes its candidates particle by particle.
   Vec3Array points = random_points(2000, 1, 8);

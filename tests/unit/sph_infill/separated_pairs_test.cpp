@@ -82,7 +82,6 @@ TEST(SeparatedPairs, ComeBackFromTheirValues) {
   const SeparatedPairs pairs(points, sheets, reach);
   EXPECT_FALSE(pairs.empty());
   EXPECT_EQ(SeparatedPairs(pairs.values(), points.size()), pairs);
-  EXPECT_THROW(SeparatedPairs(std::vector<double>{3, 300}, 300), InputError);
 }
 
 TEST(SeparatedPairs, AreLeftOutOfRowsFromTheNextBuildOn) {

@@ -8,7 +8,7 @@ namespace {
 
 class GeostaticColumn : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, GeostaticColumn,
-                         testing::Values(test::Preset::accurate, test::Preset::paper));
+                         testing::Values(test::Preset::accurate, test::Preset::fast, test::Preset::paper));
 
 TEST_P(GeostaticColumn, SettlesToTheWeightAboveWithinOnePercent) {
   const test::ColumnResult r = test::geostatic_column({GetParam()}, {20, 20});
@@ -16,10 +16,15 @@ TEST_P(GeostaticColumn, SettlesToTheWeightAboveWithinOnePercent) {
   RecordProperty("worst_particle", testing::PrintToString(r.worst_particle));
   RecordProperty("floor_force_over_weight", testing::PrintToString(r.floor_force));
   RecordProperty("density_spread", testing::PrintToString(r.density_spread));
+  RecordProperty("density_drift", testing::PrintToString(r.density_drift));
   EXPECT_LT(r.worst_plane, 0.01);
-  EXPECT_LT(r.worst_particle, 0.03);
+  // The odd-even pattern that statics.h tells of is strongest with 29 neighbours, left alone as here.
+  EXPECT_LT(r.worst_particle, GetParam() == test::Preset::fast ? 0.04 : 0.03);
   EXPECT_NEAR(r.floor_force, 1, 1e-3);
   EXPECT_LT(r.density_spread, 0.01);
+  // Under a tenth of what the law compresses the column by, 1.3e-4. With most neighbours at the kernel's rim
+  // the sum itself does not follow a compression as closely.
+  EXPECT_LT(r.density_drift, GetParam() == test::Preset::paper ? 1e-4 : 1e-5);
   EXPECT_LT(r.kinetic, 1e-9);
 }
 
@@ -54,8 +59,10 @@ TEST_P(GeostaticColumn, StaysAtRestWhereStepsChange) {
 class RestingBed : public testing::TestWithParam<test::Numerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, RestingBed,
                          testing::Values(test::Numerics{test::Preset::accurate},
+                                         test::Numerics{test::Preset::fast},
                                          test::Numerics{test::Preset::paper},
                                          test::Numerics{test::Preset::accurate, 0.3, 0.05},
+                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
                                          test::Numerics{test::Preset::paper, 0.3, 0.05}));
 
 /// The whole run of 1e5 steps is in tests/validation/sph_infill.

@@ -23,7 +23,8 @@ Vec3 momentum_of(const ParticleView& p) {
 }
 
 class Conservation : public testing::TestWithParam<test::Preset> {};
-INSTANTIATE_TEST_SUITE_P(Presets, Conservation, testing::Values(test::Preset::accurate, test::Preset::paper));
+INSTANTIATE_TEST_SUITE_P(Presets, Conservation,
+                         testing::Values(test::Preset::accurate, test::Preset::fast, test::Preset::paper));
 
 TEST_P(Conservation, MomentumOfAnIsolatedYieldingViscousBlobStaysToRounding) {
   Lattice lattice = test::block(8, 8, 8, pitch);
@@ -70,10 +71,13 @@ Oscillation oscillate(test::Preset preset, bool viscosity, double step_share, do
 }
 
 /// What is left is of first order in the step and of second in the amplitude: strain is integrated with the
-/// gradient at the end of a step, force is the partner of the gradient at its start. The paper's kernel has
-/// twelve of its eighteen neighbours at the rim, where the gradient changes fastest with the geometry.
+/// gradient at the end of a step, force is the partner of the gradient at its start. It grows as neighbours
+/// are fewer (79, 29): the gradient changes faster with the geometry, fastest with the paper's kernel, which
+/// has twelve of its eighteen neighbours at the rim.
 TEST_P(Conservation, EnergyOfAnOscillatingElasticCubeIsConstant) {
-  const double bound = GetParam() == test::Preset::accurate ? 1e-3 : 3e-2;
+  const double bound = GetParam() == test::Preset::accurate ? 1e-3
+                       : GetParam() == test::Preset::fast   ? 1e-2
+                                                            : 3e-2;
   const Oscillation at_working_step = oscillate(GetParam(), false, 0.8, 60);  // strains of 1 %
   RecordProperty("worst", testing::PrintToString(at_working_step.worst));
   EXPECT_GT(at_working_step.exchanged, 0.3) << "kinetic energy did not turn into stored energy";

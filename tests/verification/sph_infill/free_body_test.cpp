@@ -9,7 +9,8 @@ namespace tuft::sph {
 namespace {
 
 class FreeBody : public testing::TestWithParam<test::Preset> {};
-INSTANTIATE_TEST_SUITE_P(Presets, FreeBody, testing::Values(test::Preset::accurate, test::Preset::paper));
+INSTANTIATE_TEST_SUITE_P(Presets, FreeBody,
+                         testing::Values(test::Preset::accurate, test::Preset::fast, test::Preset::paper));
 
 TEST_P(FreeBody, ASlabInFreeFallKeepsItsShapeToRounding) {
   double worst = 0;
@@ -44,7 +45,8 @@ TEST(ZeroEnergyModes, LeftAloneTakeASpinningDiscApartWhichTheirControlPrevents) 
                controlled = test::spinning_disc({test::Preset::accurate, 0, 0.05}, sizes).out_of_shape;
   RecordProperty("alone", testing::PrintToString(alone));
   RecordProperty("controlled", testing::PrintToString(controlled));
-  // How far they have come after ten turns varies with the rounding that the motion grows from: 0.12 and more.
+  // How far they have come after ten turns varies with the rounding that the motion grows from: 0.12 and
+  // more.
   EXPECT_GT(alone, 4 * controlled);
   EXPECT_LT(controlled, 0.05);
 }

@@ -136,8 +136,8 @@ TEST_P(Reproducibility, ACheckpointOfAnotherSceneIsRejected) {
     other.infill.load(h5::File::open(file.path).root().open_group("infill"));
     FAIL() << "loaded";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("1000 values"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("640 particles"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("1000 values instead of 640"), std::string::npos)
+        << error.what();
   }
 }
 

@@ -138,7 +138,7 @@ Difference between(const RandomBlock::Found& a, const RandomBlock::Found& b) {
 
 class SinglePrecision : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, SinglePrecision,
-                         testing::Values(test::Preset::accurate, test::Preset::paper));
+                         testing::Values(test::Preset::accurate, test::Preset::fast, test::Preset::paper));
 
 TEST_P(SinglePrecision, GivesGradientsAndForcesOfDoublePrecisionToAMillionth) {
   for (const bool viscous : {false, true}) {

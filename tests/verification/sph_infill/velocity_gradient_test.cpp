@@ -30,7 +30,7 @@ struct Cloud {
 
 class VelocityGradient : public testing::TestWithParam<test::Preset> {};
 INSTANTIATE_TEST_SUITE_P(Presets, VelocityGradient,
-                         testing::Values(test::Preset::accurate, test::Preset::paper));
+                         testing::Values(test::Preset::accurate, test::Preset::fast, test::Preset::paper));
 
 TEST_P(VelocityGradient, OfALinearFieldIsExactInsideAndAtFreeSurfacesOfAJitteredLattice) {
   // At this jitter every particle of both presets, corners included, keeps all eigenvalues of its moment over

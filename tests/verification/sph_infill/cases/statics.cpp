@@ -19,6 +19,24 @@ double kernel_value(Kernel kernel, double h, double r) {
 
 }  // namespace
 
+namespace {
+
+/// By summation over that by continuity.
+std::vector<double> density_ratios(const SphInfill& infill, const SphOptions& options) {
+  std::vector<double> ratio = summed_density(infill.particles(), options);
+  const auto by_continuity = field(infill, "density");
+  for (std::size_t i = 0; i < ratio.size(); ++i) ratio[i] /= by_continuity[i];
+  return ratio;
+}
+
+/// Two rows off all boundaries the kernel is full for most of its weight.
+bool is_inside(const Vec3& x, int width, int rows, double pitch) {
+  return std::max(std::abs(x.x()), std::abs(x.y())) <= (0.5 * width - 2) * pitch && x.z() >= 2 * pitch &&
+         x.z() <= (rows - 2) * pitch;
+}
+
+}  // namespace
+
 std::vector<double> summed_density(const ParticleView& p, const SphOptions& options) {
   const double h = options.smoothing_length;
   std::vector<double> density(p.size(), 0);
@@ -39,6 +57,7 @@ ColumnResult geostatic_column(const Numerics& numerics, const ColumnSizes& sizes
   const double modulus = constrained_modulus(*materials[0].continuum, 1e4);
   const double stiffness = 10 * modulus * pitch;
   const Tray tray(width * pitch, width * pitch, stiffness, 0.1);
+  const std::vector<double> ratio_placed = density_ratios(infill, settings_of(numerics, pitch, {}).options);
   ContactImpulses contact;
   // The critical damping of the column's first mode, of circular frequency pi c/(2 H).
   const double frequency = 0.5 * std::numbers::pi * std::sqrt(modulus / rho) / height;
@@ -79,6 +98,10 @@ ColumnResult geostatic_column(const Numerics& numerics, const ColumnSizes& sizes
   result.mean_plane = std::sqrt(squares / (rows - 2 * border - 1));
   for (const double value : density)
     result.density_spread = std::max(result.density_spread, std::abs(value / rho - 1));
+  const std::vector<double> ratio = density_ratios(infill, settings_of(numerics, pitch, {}).options);
+  for (std::size_t i = 0; i < n; ++i)
+    if (is_inside(lattice.position[i], width, rows, pitch))
+      result.density_drift = std::max(result.density_drift, std::abs(ratio[i] / ratio_placed[i] - 1));
   const double weight = rho * std::pow(width * pitch, 2) * height * g;
   result.floor_force = floor_force / weight;
   result.kinetic = infill.energy().kinetic / (weight * height);
@@ -152,14 +175,7 @@ BedResult settled_bed(const Numerics& numerics, const BedSizes& sizes) {
   const Tray tray(sizes.width * pitch, sizes.width * pitch, stiffness, 0.1);
   const double dt = step_with_walls(infill, stiffness, 0.75);
 
-  const auto densities = [&](std::vector<double>& ratio) {
-    const auto by_sum = summed_density(infill.particles(), settings.options);
-    const auto by_continuity = field(infill, "density");
-    ratio.resize(n);
-    for (std::size_t i = 0; i < n; ++i) ratio[i] = by_sum[i] / by_continuity[i];
-  };
-  std::vector<double> first, last;
-  densities(first);
+  const std::vector<double> first = density_ratios(infill, settings.options);
 
   BedResult result;
   EnergyLedger ledger;
@@ -179,16 +195,12 @@ BedResult settled_bed(const Numerics& numerics, const BedSizes& sizes) {
   }
   result.energy_error = ledger.worst / scale;
 
-  densities(last);
+  const std::vector<double> last = density_ratios(infill, settings.options);
   const ParticleView p = infill.particles();
-  // Two rows off all boundaries the kernel is full for most of its weight.
-  const double half = (0.5 * sizes.width - 2) * pitch;
   int count = 0;
   for (std::size_t i = 0; i < n; ++i) {
     result.largest_move = std::max(result.largest_move, (p.position(i) - middle[i]).norm() / pitch);
-    const Vec3 x = lattice.position[i];
-    if (std::max(std::abs(x.x()), std::abs(x.y())) > half || x.z() < 2 * pitch || x.z() > height - 2 * pitch)
-      continue;
+    if (!is_inside(lattice.position[i], sizes.width, sizes.rows, pitch)) continue;
     const double drift = last[i] / first[i] - 1;
     result.density_drift = std::max(result.density_drift, std::abs(drift));
     result.mean_density_drift += drift;

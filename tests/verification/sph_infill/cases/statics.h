@@ -16,8 +16,11 @@ struct ColumnResult {
   double mean_plane = 0;      ///< root of its mean square
   double worst_particle = 0;  ///< of single particles, over rho g H
   double floor_force = 0;     ///< over the weight
-  double density_spread = 0;  ///< largest |rho/rho_0 - 1| less its own settling; see geostatic_column
-  double kinetic = 0;         ///< over weight x height
+  double density_spread = 0;  ///< largest |rho/rho_0 - 1| by continuity: what the law compresses by
+  /// Largest change of (rho by summation)/(rho by continuity) as it settles, inside the bed: what particles
+  /// have moved and the law does not know of.
+  double density_drift = 0;
+  double kinetic = 0;  ///< over weight x height
 };
 
 /// A bed between slip walls, settled under damping. sigma_zz = rho g depth is asked of horizontal planes
@@ -36,8 +39,8 @@ struct ColumnResult {
 /// that falls with their number. contact_stiffness: of a particle's spring, over constrained modulus x pitch.
 [[nodiscard]] double pressed_block(const Numerics& numerics, int rows, double contact_stiffness);
 
-/// A bed of 6 x 6 x 6, settled under damping, then stepped by dt and dt/2 in turn without: its largest kinetic
-/// energy over weight x height.
+/// A bed of 6 x 6 x 6, settled under damping, then stepped by dt and dt/2 in turn without: its largest
+/// kinetic energy over weight x height.
 [[nodiscard]] double kinetic_energy_under_changing_steps(const Numerics& numerics);
 
 struct BedSizes {
