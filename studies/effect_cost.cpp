@@ -122,6 +122,11 @@ EffectCosts evaluate_turns(const TurnRecord& record, std::vector<EffectCost> eff
     costs.from = start + costs.turn_s * static_cast<double>(turns.front());
     costs.to = start + costs.turn_s * static_cast<double>(turns.back() + 1);
   }
+  if (record.cut)
+    costs.remarks.push_back(
+        "time for the run-up was over before the rig had been stopped: where infill yields effects may cost "
+        "more; "
+        "give more with --cost-seconds");
   costs.base = cost_of_base(record, turns, costs.turn_s);
   std::size_t entrant = 2;
   for (EffectCost& effect : effects) {

@@ -15,7 +15,7 @@ constexpr double turns_in_time = 20;              ///< and so many fit the time,
 constexpr std::uint64_t looks_at_the_clock = 10;  ///< while settling
 constexpr std::size_t turns_of_blow = 6;          ///< fewer do not bound a median
 constexpr std::size_t idle_turns = 2;             ///< without a push, after which a blow is over
-constexpr double pressed_share = 0.1;             ///< of the greatest push, from which on the rig presses
+constexpr double pressed_share = 0.5;             ///< of the greatest push, from which on it is a blow
 constexpr double motion_left = 0.25;  ///< share of its energy, at which the rig is all but stopped
 // Of the time: for all that a run of the first would take, if it is to settle in full; for its run-up at
 // most; and, of what that leaves, for run-ups of others.
@@ -116,8 +116,8 @@ class Turns {
     return static_cast<std::uint64_t>(std::clamp(fitting, 1.0, longest));
   }
 
-  /// Leaves the state where the rig begins to press in request.state: the earliest of those kept in which it
-  /// pressed enough, for how hard it will press is known afterwards only.
+  /// Leaves the state in which the rig begins to press hard in request.state: the earliest of those kept, for
+  /// how hard it will press is known afterwards only.
   bool find_blow() {
     const std::uint64_t chunk = turn_in(run_up_share * request_.seconds, each_);
     double most = 0, fastest = 0, kept = 0;
@@ -140,7 +140,9 @@ class Turns {
       // It has been stopped: what presses on it was greatest about now.
       if (s.motion < motion_left * fastest) break;
     }
-    if (kept == 0) keep(0);
+    // The last state is then the nearest to what was not reached.
+    record_.cut = fastest > 0 && wall() >= run_up_share * request_.seconds;
+    if (kept == 0 || record_.cut) keep(kept);
     each_ = run_up_ / static_cast<double>(std::max<std::uint64_t>(1, record_.settled + record_.start));
     return true;
   }

@@ -72,6 +72,7 @@ struct TurnRecord {
   std::vector<std::vector<Stretch>> stretches;
   std::vector<std::string> failures;  ///< of each entrant; empty: none
   std::uint64_t settled = 0;          ///< intervals
+  bool cut = false;                   ///< time for the run-up was over before the rig had been stopped
   std::uint64_t start = 0;            ///< intervals after the release, where the first turn begins
   std::uint64_t turn = 1;             ///< intervals in a turn
 

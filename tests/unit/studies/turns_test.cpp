@@ -135,11 +135,15 @@ TEST(Turns, KeepToTheTime) {
 
 TEST(Turns, AreOfWhatWasReachedWhereTimeIsShort) {
   Machine machine;
-  TurnRequest request = request_for(machine, {{.letter = 'a', .pressed = {90, 100}}, {.letter = 'b'}});
+  TurnRequest request =
+      request_for(machine, {{.letter = 'a', .pressed = {90, 100}, .stopped_at = 95}, {.letter = 'b'}});
   request.seconds = 1;
   const TurnRecord record = take_turns(request);
+  EXPECT_TRUE(record.cut);
   EXPECT_LT(record.start, 60u);
   EXPECT_GT(record.turns(), 0u);
+  request.seconds = 1000;
+  EXPECT_FALSE(take_turns(request).cut);
 }
 
 TEST(Turns, EndWithoutOneWhereSettlingTakesAllTheTime) {
