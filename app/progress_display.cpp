@@ -46,8 +46,11 @@ ProgressDisplay::ProgressDisplay(std::string title)
     : title_(std::move(title)), terminal_(isatty(STDOUT_FILENO) == 1) {}
 
 void ProgressDisplay::show(const rigs::Progress& progress) {
-  const std::string line =
-      title_.empty() ? progress_line(progress) : fmt::format("{:<4} {}", title_, progress_line(progress));
+  const std::string line = progress_line(progress);
+  show_line(progress.stage, title_.empty() ? line : fmt::format("{:<4} {}", title_, line));
+}
+
+void ProgressDisplay::show_line(const std::string& stage, const std::string& line) {
   if (terminal_) {
     // Longer than the terminal, a line would wrap and could no longer be rewritten. ESC [K clears what the
     // last one left.
@@ -55,8 +58,8 @@ void ProgressDisplay::show(const rigs::Progress& progress) {
     line_open_ = true;
   } else {
     const auto now = std::chrono::steady_clock::now();
-    if (progress.stage == last_stage_ && now - last_plain_line_ < plain_line_interval) return;
-    last_stage_ = progress.stage;
+    if (stage == last_stage_ && now - last_plain_line_ < plain_line_interval) return;
+    last_stage_ = stage;
     last_plain_line_ = now;
     fmt::print("{}\n", line);
   }

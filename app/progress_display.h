@@ -13,6 +13,8 @@ class ProgressDisplay {
   /// `title` begins every line: the approach, where there is more than one run.
   explicit ProgressDisplay(std::string title);
   void show(const rigs::Progress& progress);
+  /// A line of one's own; a stage that is new is shown at once.
+  void show_line(const std::string& stage, const std::string& line);
   /// Ends the line on a terminal. Called once the run is over.
   void finish();
 

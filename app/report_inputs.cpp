@@ -165,7 +165,10 @@ std::string report_effects(const Runs& runs) {
     row.push_back(reasons(runs, name));
     table.rows.push_back(std::move(row));
   }
-  return html_section("effects", "Effects", table.html());
+  return html_section("effects", "Effects",
+                      table.html() +
+                          "<p class=\"note\">What each costs in time is measured by <code>tuft explain SCENE "
+                          "--cost</code>, also from the scene.toml of a run’s folder.</p>\n");
 }
 
 std::string report_specimen_inputs(const Runs& runs) {

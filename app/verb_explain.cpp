@@ -2,14 +2,27 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/effect_cost_table.h"
 #include "app/number_format.h"
+#include "app/progress_display.h"
+#include "app/stop_signal.h"
 #include "app/text_table.h"
 #include "app/verbs.h"
+#include "core/error.h"
 #include "rigs/run.h"
 #include "rigs/schedule.h"
+#include "studies/effect_cost.h"
+#include "studies/stepped_scene.h"
 
 namespace tuft::app {
 namespace {
+
+struct ExplainArguments {
+  SceneArguments scene;
+  bool cost = false;
+  double cost_seconds = 60;
+  std::vector<std::string> only;
+};
 
 std::string effects_table(const rigs::RunPlan& plan) {
   TextTable table;
@@ -104,8 +117,33 @@ void explain_specimen(const Scene& scene, const rigs::RunPlan& plan) {
   fmt::print("\nTests\n{}\nSizes\n{}", tests.text(), sizes.text());
 }
 
-int explain(const SceneArguments& arguments) {
-  const Scene scene = read_scene_arguments(arguments);
+/// Measures and prints what effects cost; the exit code.
+int explain_cost(const ExplainArguments& arguments, const Scene& scene, const rigs::RunPlan& plan) {
+  const std::atomic<bool>& stop = catch_stop_signals();
+  ProgressDisplay display("");
+  const double interval = studies::interval_of(scene);
+  studies::CostRequest request;
+  request.scene = scene;
+  request.seconds = arguments.cost_seconds;
+  request.only = arguments.only;
+  request.memory_bytes = plan.predicted_memory_bytes;
+  request.stop = &stop;
+  request.on_packing = [&](double done) {
+    if (stop) throw_run_error("stopped while grains were packed");
+    display.show_line("packing", fmt::format("packing   {:3.0f} %", 100 * done));
+  };
+  request.on_progress = [&](const studies::TurnProgress& progress) {
+    const std::string line = effect_cost_progress(progress, interval);
+    display.show_line(line.substr(0, line.find(' ')), line);
+  };
+  const studies::EffectCosts costs = studies::measure_effect_costs(request);
+  display.finish();
+  fmt::print("\n{}", effect_cost_text(costs));
+  return costs.end == studies::TurnRecord::End::stopped ? 1 : 0;
+}
+
+int explain(const ExplainArguments& arguments) {
+  const Scene scene = read_scene_arguments(arguments.scene);
   const rigs::RunPlan plan = rigs::plan(scene);
   if (scene.rig.is_component()) {
     explain_component(scene, plan);
@@ -123,7 +161,9 @@ int explain(const SceneArguments& arguments) {
   fmt::print("\nPredicted, on this machine\n{}", cost.text());
   if (!plan.remarks.empty()) fmt::print("\nRemarks\n");
   for (const std::string& remark : plan.remarks) fmt::print("  {}\n", remark);
-  return 0;
+  if (!arguments.cost) return 0;
+  fmt::print("\n");
+  return explain_cost(arguments, scene, plan);
 }
 
 }  // namespace
@@ -131,8 +171,21 @@ int explain(const SceneArguments& arguments) {
 void register_explain(CLI::App& program, Action& action) {
   CLI::App* verb = program.add_subcommand(
       "explain", "Which effects are on and why, sizes, steps, predicted time and memory");
-  auto arguments = std::make_shared<SceneArguments>();
-  add_scene_options(*verb, *arguments, true);
+  auto arguments = std::make_shared<ExplainArguments>();
+  add_scene_options(*verb, arguments->scene, true);
+  CLI::Option* cost = verb->add_flag(
+      "--cost", arguments->cost,
+      "measures what each effect costs: steps the scene with and without each, in turns (docs/effects.md)");
+  verb->add_option("--cost-seconds", arguments->cost_seconds,
+                   "wall time that may take once the scene is built (default: 60)")
+      ->check(CLI::PositiveNumber)
+      ->needs(cost);
+  verb->add_option("--only", arguments->only, "an effect to look at, instead of all; may be given again")
+      ->type_name("EFFECT")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false)
+      ->needs(cost);
   verb->callback([arguments, &action] { action = [arguments] { return explain(*arguments); }; });
 }
 

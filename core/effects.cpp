@@ -2,10 +2,12 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "core/effect_names.h"
+#include "core/effect_obstacle.h"
 #include "core/scene.h"
 
 namespace tuft {
@@ -295,6 +297,11 @@ Switch choice_of(const EffectRule& rule, const Scene& scene) {
   return chosen == scene.effects.choice.end() ? Switch::automatic : chosen->second;
 }
 
+/// Whether a rule's effect has something to act on when it is switched on by hand.
+Need able(const EffectRule& rule, const Scene& scene) {
+  return (rule.usable != nullptr ? rule.usable : rule.needed)(scene);
+}
+
 EffectDecision decide(const EffectRule& rule, const Scene& scene) {
   const std::string name(rule.name);
   if (is_of_other_approach(rule, scene))
@@ -326,8 +333,7 @@ std::vector<EffectDecision> decide_effects(const Scene& scene) {
 std::optional<EffectDecision> idle_effect(const Scene& scene) {
   for (const EffectRule& rule : rules) {
     if (choice_of(rule, scene) != Switch::on || is_of_other_approach(rule, scene)) continue;
-    const auto condition = rule.usable != nullptr ? rule.usable : rule.needed;
-    if (const Need need = condition(scene); !need.on)
+    if (const Need need = able(rule, scene); !need.on)
       return EffectDecision{
           std::string(rule.name), false,
           "switched on, but has nothing to act on: " + need.why + "; change that, or leave this \"auto\""};
@@ -342,6 +348,15 @@ std::optional<EffectDecision> idle_effect(const Scene& scene) {
                       "\"auto\"",
                       rule.borne)};
   return std::nullopt;
+}
+
+std::string effect_obstacle(const Scene& scene, std::string_view effect) {
+  const auto rule =
+      std::find_if(rules.begin(), rules.end(), [&](const EffectRule& r) { return r.name == effect; });
+  if (rule == rules.end()) throw std::logic_error(fmt::format("no effect is named {}", effect));
+  if (is_of_other_approach(*rule, scene)) return decide(*rule, scene).why;
+  const Need need = able(*rule, scene);
+  return need.on ? std::string() : need.why;
 }
 
 bool effect_on(const std::vector<EffectDecision>& decisions, std::string_view name) {

@@ -8,4 +8,7 @@ namespace tuft::rigs {
 /// that is gone counts 0.
 [[nodiscard]] std::uint64_t peak_memory_bytes(int other);
 
+/// What this machine could still give to programs, bytes; 0: it does not say.
+[[nodiscard]] std::uint64_t available_memory_bytes();
+
 }  // namespace tuft::rigs
