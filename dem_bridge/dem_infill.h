@@ -19,6 +19,7 @@ struct Grains {
   /// Number of the clump that a sphere belongs to, whose spheres follow each other in the order of their
   /// material's clump; below 0: a grain of its own. Empty: all are.
   std::vector<Index> body = {};
+  std::size_t moved = 0;  ///< of grains that stuck between obstacles and were placed elsewhere in their layer
   [[nodiscard]] std::size_t size() const { return radius.size(); }
 };
 
