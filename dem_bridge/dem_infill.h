@@ -133,10 +133,14 @@ class DemInfill final : public Infill {
   struct PairOverlaps {
     Index first = 0, second = 0;  ///< into Scene::materials, first <= second
     OverlapStatistics now;
-    /// Over the whole run, as far as it was looked at: in windows with energy_wanted, at their last kick.
-    /// Beyond DemOptions::overlap_limit `advance` throws RunError.
+    /// Over the run (count_overlaps_from_now), as far as it was looked at: in windows with energy_wanted, at
+    /// their last kick. Beyond DemOptions::overlap_limit `advance` throws RunError.
     double largest_of_run = 0;
   };
+  /// From now on: what grains overlapped by before is forgotten, `limit` stops the run (0: none does).
+  void count_overlaps_from_now(double limit);
+  /// After `load`: the limit alone.
+  void set_overlap_limit(double limit);
   /// All pairs of kinds that the bed holds, whether or not they touch.
   [[nodiscard]] std::vector<PairOverlaps> overlaps_by_pair() const;
   /// `largest_of_run` alone, which needs no host.
