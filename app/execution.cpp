@@ -53,6 +53,8 @@ AttendedRun::AttendedRun(rigs::RunRequest& request, const std::string& title)
     display->show(progress);
     log.note(progress);
   };
+  // On the screen they follow the results.
+  request.on_remark = [](const std::string& remark) { spdlog::warn("{}", remark); };
 }
 
 AttendedRun::~AttendedRun() {
@@ -80,6 +82,7 @@ int conclude_run(const std::filesystem::path& folder, const rigs::RunSummary& su
     if (!failed) throw;
   }
   fmt::print("\n{}", summary_table({summary}));
+  for (const std::string& remark : summary.remarks) fmt::print("note: {}\n", remark);
   std::error_code ignored;
   if (std::filesystem::exists(report, ignored)) fmt::print("\nreport: {}\n", report.string());
   std::fflush(stdout);

@@ -1,5 +1,5 @@
 /// Effects, settings and materials: what a reader needs to judge or repeat the run.
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,24 @@
 #include "app/html.h"
 #include "app/number_format.h"
 #include "app/report_sections.h"
+#include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_law.h"
 
 namespace tuft::app {
 namespace {
+
+/// Of each grain material in the layers, by its own factor or that of all.
+std::string describe_coarse_graining(const Scene& scene) {
+  std::set<std::string> factors;
+  for (const Layer& layer : scene.turf.layers)
+    for (const GrainShare& share :
+         scene.materials.at(static_cast<std::size_t>(layer.material)).grain_shares) {
+      const std::string& name = scene.materials.at(static_cast<std::size_t>(share.material)).name;
+      factors.insert(fmt::format("{} {}", escape_html(name),
+                                 format_input(dem::coarse_graining_of(scene.infill.dem, name))));
+    }
+  return fmt::format("coarse graining {}", fmt::join(factors, ", "));
+}
 
 std::vector<std::string> effect_names(const Runs& runs) {
   std::vector<std::string> names;
@@ -86,7 +100,7 @@ std::string settings_table(const Runs& runs) {
                ? fmt::format("pitch {}, {} preset, {}", format_quantity(s.infill.sph.pitch, "m"),
                              escape_html(s.infill.sph.preset),
                              s.infill.sph.kernel == Kernel::wendland_c2 ? "Wendland C2" : "cubic spline")
-               : fmt::format("coarse graining {}", format_input(s.infill.dem.coarse_graining));
+               : describe_coarse_graining(s);
   });
   return table.html();
 }

@@ -40,9 +40,10 @@ void make_labels_unique(std::vector<RunData>& runs) {
 std::string body_of(const Runs& runs) {
   if (all_of_components(runs)) return report_tension(runs) + report_cost(runs) + report_tension_inputs(runs);
   if (all_of_specimens(runs))
-    return report_specimen(runs) + report_cost(runs) + report_effects(runs) + report_specimen_inputs(runs);
-  return report_results(runs) + report_curves(runs) + report_sections(runs) + report_energy(runs) +
-         report_cost(runs) + report_effects(runs) + report_inputs(runs);
+    return report_specimen(runs) + report_remarks(runs) + report_cost(runs) + report_effects(runs) +
+           report_specimen_inputs(runs);
+  return report_results(runs) + report_remarks(runs) + report_curves(runs) + report_sections(runs) +
+         report_energy(runs) + report_cost(runs) + report_effects(runs) + report_inputs(runs);
 }
 
 }  // namespace

@@ -11,8 +11,10 @@ using Runs = std::vector<RunData>;
 
 [[nodiscard]] std::string report_style();
 [[nodiscard]] std::string report_script();
-[[nodiscard]] std::string report_head(const Runs& runs);      ///< title, what was run, state of each run
-[[nodiscard]] std::string report_results(const Runs& runs);   ///< table of results
+[[nodiscard]] std::string report_head(const Runs& runs);     ///< title, what was run, state of each run
+[[nodiscard]] std::string report_results(const Runs& runs);  ///< table of results
+/// What the runs say of themselves in words; empty if nothing.
+[[nodiscard]] std::string report_remarks(const Runs& runs);
 [[nodiscard]] std::string report_curves(const Runs& runs);    ///< acceleration, velocity, penetration
 [[nodiscard]] std::string report_sections(const Runs& runs);  ///< side views at three instants
 [[nodiscard]] std::string report_energy(const Runs& runs);    ///< balance, error, limits

@@ -118,10 +118,16 @@ struct DemOptions {
   std::vector<GrainPair> pairs;
   std::string
       host;  ///< path of liggghts_host, or tcp://machine:port of one that listens; empty: beside the program
-  int ranks = 1;                ///< MPI processes of the host, >= 1, on this machine
-  double overlap_limit = 0;     ///< of two grains, over the smaller radius, beyond which a run stops; 0: none
-  double answer_timeout = 30;   ///< s without an answer until the host counts as hung
-  double settle_time = 0.0105;  ///< s of packing dynamics, after the geometric packing
+  int ranks = 1;  ///< MPI processes of the host, >= 1, on this machine
+  /// Of two grains, over the smaller radius, beyond which a run stops, from the release of the rig on; 0:
+  /// none.
+  double overlap_limit = 0;
+  double answer_timeout = 30;      ///< s without an answer until the host counts as hung
+  double settle_time = 0.003;      ///< s of packing dynamics among still strands, at least
+  double settle_time_limit = 0.1;  ///< s, at most; grains that are not at rest then are said not to be
+  /// Share of their weight that nothing bears, below which grains are at rest (coupler/bed_state.h): packed
+  /// among still strands, and before the rig is released.
+  double rest_tolerance = 0.1;
   bool use_cache = true;
 };
 
@@ -283,8 +289,9 @@ struct Numerics {
   double shell_contact_radius =
       0.5;  ///< (0, 1]: contact radius of SPH particles at strands over half their diameter
   double contact_release_time = 0.002;  ///< s, over which initial overlap is let go
-  double settle_time = 0.01;            ///< s of gravity settling before the rig is released
-  double settle_damping = 400;          ///< 1/s, mass-proportional, while settling
+  double settle_time = 0.01;       ///< s of gravity settling before the rig is released; of grains at least
+  double settle_time_limit = 0.1;  ///< s; grains settle on until they are at rest, at most so long
+  double settle_damping = 400;     ///< 1/s, mass-proportional, while settling
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
 };

@@ -69,13 +69,18 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
       dem.host);
   keys.integer({"ranks", "MPI processes of liggghts_host on this machine"}, dem.ranks, Range{1, 256});
   keys.number({"overlap_limit",
-               "of two grains over the smaller radius, looked at with each history row: beyond it the run "
-               "stops; 0: none"},
+               "of two grains over the smaller radius, looked at with each history row from the release of "
+               "the rig on: beyond it the run stops; 0: none"},
               dem.overlap_limit, non_negative);
   keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
                 dem.answer_timeout, "s", positive);
-  keys.quantity({"settle_time", "packing dynamics after the geometric packing"}, dem.settle_time, "s",
-                non_negative);
+  keys.quantity({"settle_time", "packing dynamics after the geometric packing, at least"}, dem.settle_time,
+                "s", non_negative);
+  keys.quantity({"settle_time_limit", "packing dynamics end when the grains are at rest, at the latest then"},
+                dem.settle_time_limit, "s", non_negative);
+  keys.number(
+      {"rest_tolerance", "share of their weight that nothing bears, below which grains count as at rest"},
+      dem.rest_tolerance, positive);
   keys.flag({"use_cache", "reuse a settled packing of an earlier run with the same inputs"}, dem.use_cache);
   keys.list<GrainPair>(
       {"pairs", "what unlike grains have between them; left out: mean of the two"}, dem.pairs,
@@ -261,8 +266,11 @@ void describe_numerics(KeyVisitor& keys, Numerics& numerics, RigKind kind) {
               numerics.shell_contact_radius, share);
   keys.quantity({"contact_release_time", "time over which initial overlap is let go"},
                 numerics.contact_release_time, "s", non_negative);
-  keys.quantity({"settle_time", "gravity settling before the rig is released"}, numerics.settle_time, "s",
-                non_negative);
+  keys.quantity({"settle_time", "gravity settling before the rig is released; of grains at least"},
+                numerics.settle_time, "s", non_negative);
+  keys.quantity({"settle_time_limit",
+                 "grains settle on until they are at rest (infill.dem.rest_tolerance), at most so long"},
+                numerics.settle_time_limit, "s", non_negative);
   keys.quantity({"settle_damping", "mass-proportional damping while settling"}, numerics.settle_damping, "Hz",
                 non_negative);
   keys.integer({"seed", "of everything random"}, numerics.seed, {0, largest_integer, false, false});

@@ -248,7 +248,10 @@ std::unique_ptr<Infill> build_grains(const BuildRequest& request, const fe::Shel
     settled = *request.grains;
   } else {
     const auto start = std::chrono::steady_clock::now();
-    settled = settle_grains(scene, request.effects, mesh, built.packing_from_cache, request.on_progress);
+    SettledGrains packed = settle_grains(scene, request.effects, mesh, request.on_progress);
+    settled = std::move(packed.grains);
+    built.packing = packed.report;
+    built.packing_from_cache = packed.from_cache;
     built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   const sph::TurfBox box = turf_box(scene);

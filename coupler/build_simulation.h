@@ -3,10 +3,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene.h"
+#include "coupler/coming_to_rest.h"
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
 #include "sph_infill/soil_effects.h"
@@ -32,12 +34,13 @@ struct BuildRequest {
 
 struct BuiltSimulation {
   std::unique_ptr<Simulation> simulation;
-  const dem::DemInfill* dem = nullptr;   ///< the simulation's infill when it is DEM
+  dem::DemInfill* dem = nullptr;         ///< the simulation's infill when it is DEM
   sph::SphereInfill* spheres = nullptr;  ///< the simulation's infill while SPH is conditioned
   std::size_t first_rig_body = 0;
   std::size_t plate = 0;  ///< first body of conditioning, behind the rig's; 0: the scene has none
   double packing_seconds = 0;
   bool packing_from_cache = false;
+  std::optional<PackingReport> packing;  ///< of grains that were packed or taken from the cache
 };
 
 /// Throws InputError for a scene that cannot be built, RunError when the host fails.

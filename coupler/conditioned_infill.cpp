@@ -105,10 +105,6 @@ RigidBody conditioning_plate(double height) {
   return plate;
 }
 
-double pressed_height(const Scene& scene) {
-  return scene.turf.carpet.backing_thickness + scene.infill_depth() - scene.conditioning.depth;
-}
-
 std::unique_ptr<sph::SphereInfill> build_spheres(const Scene& scene,
                                                  const std::vector<EffectDecision>& effects,
                                                  const sph::Lattice& lattice) {

@@ -21,8 +21,6 @@ namespace tuft::coupler {
 inline constexpr const char* plate_name = "plate";
 /// A driven plate over the whole patch, facing down, its face at this height (m).
 [[nodiscard]] RigidBody conditioning_plate(double height);
-/// Lowest height of its face, m.
-[[nodiscard]] double pressed_height(const Scene& scene);
 
 /// Rigid spheres near the lattice, without overlap. They are as stiff as it takes for
 /// numerics.contact_pressure to overlap them by a hundredth of their diameter. Throws InputError for a

@@ -1,6 +1,5 @@
 #include "coupler/packing_cache.h"
 
-#include <cmath>
 #include <cstdlib>
 #include <string>
 
@@ -10,7 +9,7 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 3";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 4";  // raise when packing or settling changes its results
 
 /// Only what the packing depends on: a change of rig or output must not repeat it.
 std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -52,13 +51,6 @@ std::filesystem::path cache_folder() {
   return {};
 }
 
-struct SettleStage {
-  double share;         ///< of the settle time
-  double damping;       ///< 1/s
-  double acceleration;  ///< downwards, in g
-};
-constexpr SettleStage settle_stages[] = {{1.5 / 10.5, 4000, 1}, {6.0 / 10.5, 300, 5}, {3.0 / 10.5, 300, 1}};
-
 }  // namespace
 
 PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -68,7 +60,7 @@ PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>
     path_ = folder / ("packing-" + packing_key(scene, effects, container) + ".h5");
 }
 
-bool PackingCache::load(dem::Grains& grains) const {
+bool PackingCache::load(dem::Grains& grains, PackingReport& report) const {
   if (path_.empty() || !std::filesystem::exists(path_)) return false;
   try {
     const h5::File file = h5::File::open(path_);
@@ -79,13 +71,14 @@ bool PackingCache::load(dem::Grains& grains) const {
     grains.layer = root.read_ints("layer");
     grains.material = root.read_ints("material");
     if (root.has("body")) grains.body = root.read_ints("body");
+    report = packing_report_of(root.read_doubles("report"));
     return grains.position.x.size() == grains.radius.size() && grains.material.size() == grains.radius.size();
   } catch (const RunError&) {
     return false;  // a cache that cannot be read is a cache that is not there
   }
 }
 
-void PackingCache::store(const dem::Grains& grains) const {
+void PackingCache::store(const dem::Grains& grains, const PackingReport& report) const {
   if (path_.empty()) return;
   try {
     std::filesystem::create_directories(path_.parent_path());
@@ -99,24 +92,10 @@ void PackingCache::store(const dem::Grains& grains) const {
     root.write("layer", std::span<const std::int32_t>(grains.layer));
     root.write("material", std::span<const std::int32_t>(grains.material));
     if (!grains.body.empty()) root.write("body", std::span<const std::int32_t>(grains.body));
+    root.write("report", std::span<const double>(numbers_of(report)));
     file.commit();
   } catch (const std::exception&) {
     // The run does not need the cache: a full or read-only home must not stop it.
-  }
-}
-
-void come_to_rest(Simulation& simulation, double settle_time, const std::function<void(double)>& report) {
-  constexpr double interval = 1e-4;
-  double done = 0;
-  for (const SettleStage& stage : settle_stages) {
-    simulation.set_damping(0, stage.damping);
-    simulation.set_infill_acceleration(Vec3(0, 0, -9.81 * (stage.acceleration - 1)));
-    const int intervals = std::max(1, static_cast<int>(std::lround(stage.share * settle_time / interval)));
-    for (int i = 0; i < intervals; ++i) {
-      simulation.advance_interval(interval);
-      report(done + stage.share * i / intervals);
-    }
-    done += stage.share;
   }
 }
 

@@ -1,12 +1,11 @@
 #pragma once
-/// What packings of grains have in common, whatever holds the grains: the cache, and coming to rest.
+/// What packings of grains have in common, whatever holds the grains.
 #include <filesystem>
-#include <functional>
 #include <string_view>
 #include <vector>
 
 #include "core/scene.h"
-#include "coupler/simulation.h"
+#include "coupler/coming_to_rest.h"
 #include "dem_bridge/dem_infill.h"
 
 namespace tuft::coupler {
@@ -17,16 +16,13 @@ namespace tuft::coupler {
 class PackingCache {
  public:
   PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects, std::string_view container);
-  [[nodiscard]] bool load(dem::Grains& grains) const;  ///< false: not there, or not readable
-  void store(const dem::Grains& grains) const;
+  [[nodiscard]] bool load(dem::Grains& grains,
+                          PackingReport& report) const;  ///< false: not there, or not readable
+  void store(const dem::Grains& grains, const PackingReport& report) const;
 
  private:
   std::filesystem::path path_;  ///< empty: no cache
 };
-
-/// Lets grains come to rest in three stages, shares of `settle_time` (s; 1.5 : 6 : 3, PHYSICS section 8):
-/// strong drag; 5 g with light drag; 1 g. `report` gets the share done.
-void come_to_rest(Simulation& simulation, double settle_time, const std::function<void(double)>& report);
 
 [[nodiscard]] Vec3Array positions(const Infill& infill);
 

@@ -24,9 +24,10 @@ RigidBody driven_body(std::string name, const Shape& shape, const Vec3& position
 }  // namespace
 
 Roller::Roller(const Scene& scene)
-    : shape_(scene.conditioning.roller),
-      surface_(scene.turf.carpet.backing_thickness + scene.infill_depth()),
-      depth_(scene.conditioning.depth) {
+    : Roller(scene, scene.turf.carpet.backing_thickness + scene.infill_depth()) {}
+
+Roller::Roller(const Scene& scene, double surface)
+    : shape_(scene.conditioning.roller), surface_(surface), depth_(scene.conditioning.depth) {
   const double reach = 0.5 * shape_.diameter + (shape_.studs_around > 0 ? shape_.stud_length : 0);
   half_way_ = 0.5 * scene.turf.size[0] + reach + beside;
   if (shape_.studs_around == 0) return;

@@ -14,6 +14,8 @@ namespace tuft::coupler {
 class Roller {
  public:
   explicit Roller(const Scene& scene);
+  /// surface: m, height of the infill's surface where it is not as deep as the scene has it.
+  Roller(const Scene& scene, double surface);
 
   /// The cylinder, then the studs, where they stand before the first pass. All are driven.
   [[nodiscard]] std::vector<RigidBody> bodies() const;

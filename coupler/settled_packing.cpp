@@ -19,13 +19,13 @@ std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh) {
   return quads;
 }
 
-dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
-                          const fe::ShellMesh& mesh, bool& from_cache,
-                          const std::function<void(const std::string&, double)>& on_progress) {
+SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
+                            const fe::ShellMesh& mesh,
+                            const std::function<void(const std::string&, double)>& on_progress) {
   const PackingCache cache(scene, effects, {});
-  dem::Grains grains;
-  from_cache = cache.load(grains);
-  if (from_cache) return grains;
+  SettledGrains settled;
+  settled.from_cache = cache.load(settled.grains, settled.report);
+  if (settled.from_cache) return settled;
 
   const auto report = [&](double done) {
     if (on_progress) on_progress("packing", done);
@@ -41,26 +41,27 @@ dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>&
   packing.seed = scene.numerics.seed;
   packing.clumps = effect_on(effects, "clumps");
   packing.obstacles = quads;
-  grains = dem::pack_grains(packing);
+  settled.grains = dem::pack_grains(packing);
   report(0.1);
 
   Scene still = scene;
   // Settling is a means to get grains at rest, damped and at several g: its energy balance is not a result.
   // Non-finite values and lost grains still stop it.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
-  still.numerics.settle_time = 0;
+  still.infill.dem.overlap_limit = 0;
   still.conditioning = {};
   BuildRequest request;
   request.scene = &still;
   request.effects = effects;
-  request.grains = &grains;
+  request.grains = &settled.grains;
   BuiltSimulation built = build_simulation(request);
   built.simulation->freeze_carpet(true);
-  come_to_rest(*built.simulation, scene.infill.dem.settle_time,
-               [&](double done) { report(0.1 + 0.9 * done); });
-  grains.position = positions(built.simulation->infill());
-  cache.store(grains);
-  return grains;
+  settled.report =
+      come_to_rest(*built.simulation, scene.infill.dem, [&](double done) { report(0.1 + 0.9 * done); });
+  settled.report.moved = static_cast<double>(settled.grains.moved);
+  settled.grains.position = positions(built.simulation->infill());
+  cache.store(settled.grains, settled.report);
+  return settled;
 }
 
 }  // namespace tuft::coupler

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/scene.h"
+#include "coupler/coming_to_rest.h"
 #include "dem_bridge/dem_infill.h"
 #include "fe_carpet/carpet.h"
 
@@ -14,13 +15,17 @@ namespace tuft::coupler {
 /// The shells of a mesh as obstacles for packing.
 [[nodiscard]] std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh);
 
-/// Packs grains geometrically among the mesh (held still), then lets them come to rest in three stages,
-/// shares of infill.dem.settle_time (1.5 : 6 : 3, PHYSICS section 8): strong drag; 5 g with light drag; 1 g.
+struct SettledGrains {
+  dem::Grains grains;
+  PackingReport report;
+  bool from_cache = false;
+};
+
+/// Packs grains geometrically among the mesh (held still), then lets them come to rest (coming_to_rest.h).
 /// The result depends on the scene's turf, grain materials, DEM options, numerics.seed and the program's
-/// version only: equal inputs give equal bits, from the cache or not. `from_cache` tells which. Velocities
-/// are not kept: grains start at rest.
-[[nodiscard]] dem::Grains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
-                                        const fe::ShellMesh& mesh, bool& from_cache,
-                                        const std::function<void(const std::string&, double)>& on_progress);
+/// version only: equal inputs give equal bits, from the cache or not. Velocities are not kept.
+[[nodiscard]] SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                          const fe::ShellMesh& mesh,
+                                          const std::function<void(const std::string&, double)>& on_progress);
 
 }  // namespace tuft::coupler

@@ -51,6 +51,8 @@ class Simulation {
   void set_damping(double carpet, double infill);  ///< 1/s, mass-proportional
   /// Extra acceleration on the infill (m/s^2), given through the contact impulses: packing at several g.
   void set_infill_acceleration(const Vec3& acceleration) { infill_acceleration_ = acceleration; }
+  /// What weighs on the infill now, m/s^2: gravity and the extra acceleration.
+  [[nodiscard]] Vec3 infill_gravity() const { return parts_.gravity + infill_acceleration_; }
   /// Puts a body into the simulation at a place and speed; its energy enters the ledger as external work.
   void release_body(std::size_t body, const Vec3& position, const Vec3& velocity);
 

@@ -61,11 +61,13 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
                   room.size[1], room.height, strand != nullptr ? strand->description() : ""));
   Specimen loose;
   loose.room = room;
-  if (cache.load(loose.grains)) return loose.grains;
+  PackingReport report;
+  if (cache.load(loose.grains, report)) return loose.grains;
   loose.grains = packed_grains(scene, effects, room, strand);
   Scene still = scene;
   // A means to get grains at rest: its energy balance is not a result.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
+  still.infill.dem.overlap_limit = 0;
   SpecimenRequest request;
   request.scene = &still;
   request.effects = effects;
@@ -74,9 +76,10 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   request.strand = strand;
   const auto simulation = build_specimen(request);
   simulation->freeze_carpet(true);
-  come_to_rest(*simulation, scene.infill.dem.settle_time, [](double) {});
+  report = come_to_rest(*simulation, scene.infill.dem, [](double) {});
+  report.moved = static_cast<double>(loose.grains.moved);
   loose.grains.position = positions(simulation->infill());
-  cache.store(loose.grains);
+  cache.store(loose.grains, report);
   return loose.grains;
 }
 

@@ -19,6 +19,7 @@ struct Grains {
   /// Number of the clump that a sphere belongs to, whose spheres follow each other in the order of their
   /// material's clump; below 0: a grain of its own. Empty: all are.
   std::vector<Index> body = {};
+  std::size_t moved = 0;  ///< of grains that stuck between obstacles and were placed elsewhere in their layer
   [[nodiscard]] std::size_t size() const { return radius.size(); }
 };
 
@@ -132,10 +133,14 @@ class DemInfill final : public Infill {
   struct PairOverlaps {
     Index first = 0, second = 0;  ///< into Scene::materials, first <= second
     OverlapStatistics now;
-    /// Over the whole run, as far as it was looked at: in windows with energy_wanted, at their last kick.
-    /// Beyond DemOptions::overlap_limit `advance` throws RunError.
+    /// Over the run (count_overlaps_from_now), as far as it was looked at: in windows with energy_wanted, at
+    /// their last kick. Beyond DemOptions::overlap_limit `advance` throws RunError.
     double largest_of_run = 0;
   };
+  /// From now on: what grains overlapped by before is forgotten, `limit` stops the run (0: none does).
+  void count_overlaps_from_now(double limit);
+  /// After `load`: the limit alone.
+  void set_overlap_limit(double limit);
   /// All pairs of kinds that the bed holds, whether or not they touch.
   [[nodiscard]] std::vector<PairOverlaps> overlaps_by_pair() const;
   /// `largest_of_run` alone, which needs no host.

@@ -62,6 +62,17 @@ std::vector<DemInfill::PairOverlaps> DemInfill::overlaps_by_pair() const {
   return pairs;
 }
 
+void DemInfill::count_overlaps_from_now(double limit) {
+  Impl& my = *impl_;
+  std::fill(my.overlap_largest.begin(), my.overlap_largest.end(), 0.0);
+  for (std::size_t r = 0; r < my.memory().ranks(); ++r) my.memory().rank(r).overlap_largest.fill(0.0);
+  set_overlap_limit(limit);
+}
+
+void DemInfill::set_overlap_limit(double limit) {
+  impl_->settings.options.overlap_limit = limit;
+}
+
 /// What the host has seen since it was last looked at, and the limit that the scene sets.
 void DemInfill::Impl::take_overlaps() {
   for (std::size_t r = 0; r < memory().ranks(); ++r)

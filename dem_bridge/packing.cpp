@@ -9,14 +9,15 @@
 #include "dem_bridge/dem_infill.h"
 #include "dem_bridge/grain_sizes.h"
 #include "dem_bridge/packing_clumps.h"
+#include "dem_bridge/packing_consolidation.h"
 #include "dem_bridge/packing_relaxation.h"
 
 namespace tuft::dem {
 namespace {
 
-constexpr int sweeps = 400;
-/// Spheres of unlike sizes pack at random to 0.64-0.68; above this a slab is made higher instead.
-constexpr double densest_fraction = 0.62;
+constexpr int sweeps = 400;  ///< that part clumps
+/// Above this a slab is made higher, so that spheres find room among strands; then all fall together.
+constexpr double densest_fraction = 0.48;
 
 double sphere_mass(double diameter, double density) {
   return std::numbers::pi / 6 * diameter * diameter * diameter * density;
@@ -168,6 +169,7 @@ Grains sorted_along_curve(const Grains& grains, const PackingBox& box) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
   Grains sorted;
+  sorted.moved = grains.moved;
   for (std::size_t i : order) {
     sorted.position.push_back(grains.position[i]);
     sorted.radius.push_back(grains.radius[i]);
@@ -212,11 +214,11 @@ Grains pack_grains(const PackingRequest& request) {
     low = high;
   }
   const PackingBox box{{0.5 * request.size[0], 0.5 * request.size[1]}, request.floor, low, request.round};
-  push_apart(spheres, box, request.obstacles, sweeps);
+  packed.moved = consolidate(spheres, box, request.obstacles, [&random] { return random(); });
   packed.position = std::move(spheres.position);
   packed.radius = std::move(spheres.radius);
   if (request.clumps)
-    packed = make_clumps(packed, spheres, *request.materials, box, request.obstacles, sweeps,
+    packed = make_clumps(packed, *request.materials, box, request.obstacles, sweeps,
                          [&random] { return random(); });
   return sorted_along_curve(packed, box);
 }

@@ -81,14 +81,14 @@ void keep_inside(LooseBody& body, const PackingBox& box) {
 
 }  // namespace
 
-Grains make_clumps(const Grains& grains, const LooseSpheres& spheres, const std::vector<Material>& materials,
-                   const PackingBox& box, std::span<const ThinQuad> obstacles, int sweeps,
-                   const std::function<double()>& uniform) {
+Grains make_clumps(const Grains& grains, const std::vector<Material>& materials, const PackingBox& box,
+                   std::span<const ThinQuad> obstacles, int sweeps, const std::function<double()>& uniform) {
   const std::vector<ClumpBody> shapes = clump_shapes(materials);
+  Grains result;
+  result.moved = grains.moved;
   const ClumpBody one_sphere = make_clump_body({ClumpShape::spheres, 0, {ClumpSphere{}}}, "spheres");
   std::vector<LooseBody> bodies;
   LooseSpheres members;
-  Grains result;
   Index clumps = 0;
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const ClumpBody& of_material = shapes[static_cast<std::size_t>(grains.material[i])];
@@ -103,8 +103,8 @@ Grains make_clumps(const Grains& grains, const LooseSpheres& spheres, const std:
       const double radius = of_material.size() > 0 ? body.diameter * body.shape->radius[k] : grains.radius[i];
       members.position.push_back(body.place(k));
       members.radius.push_back(radius);
-      members.low.push_back(spheres.low[i]);
-      members.high.push_back(spheres.high[i]);
+      members.low.push_back(box.floor);  // layers have their order by now
+      members.high.push_back(box.lid);
       members.group.push_back(static_cast<Index>(i));
       result.radius.push_back(radius);
       result.density.push_back(grains.density[i]);

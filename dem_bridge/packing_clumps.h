@@ -11,12 +11,11 @@
 namespace tuft::dem {
 
 /// Puts the clump of its material, where there is one, in place of every sphere, with the same volume and
-/// centre of mass, and pushes all apart. `grains` and `spheres`: sphere i is grain i. Turns are drawn with
+/// centre of mass, and pushes all apart. Turns are drawn with
 /// `uniform` ([0, 1)), in the order of the grains; then all is settled by geometry alone. Walls and floor are
 /// never crossed.
-[[nodiscard]] Grains make_clumps(const Grains& grains, const LooseSpheres& spheres,
-                                 const std::vector<Material>& materials, const PackingBox& box,
-                                 std::span<const ThinQuad> obstacles, int sweeps,
+[[nodiscard]] Grains make_clumps(const Grains& grains, const std::vector<Material>& materials,
+                                 const PackingBox& box, std::span<const ThinQuad> obstacles, int sweeps,
                                  const std::function<double()>& uniform);
 
 }  // namespace tuft::dem

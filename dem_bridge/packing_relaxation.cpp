@@ -10,6 +10,8 @@ namespace {
 
 constexpr double pair_share =
     0.8;  ///< of an overlap, removed in one sweep; 1 rings where a sphere has many contacts
+constexpr double share_of_drop =
+    0.5;  ///< a sphere falls that contacts push by less than this share of the fall
 constexpr double skin_share =
     0.3;  ///< of the mean radius: how far spheres may move before lists are made again
 
@@ -71,10 +73,6 @@ Lists sort_into_rows(std::size_t rows, const std::vector<std::pair<int, int>>& e
   for (const auto& [row, item] : entries) lists.items[next[static_cast<std::size_t>(row)]++] = item;
   return lists;
 }
-
-struct Neighbours {
-  Lists spheres, obstacles;  ///< by sphere
-};
 
 /// Both directions of every pair closer than `skin`. Each pair is found from its larger sphere, which looks
 /// as far as twice its own radius: a small sphere among large ones need not search their reach.
@@ -146,9 +144,14 @@ Lists find_obstacles(const LooseSpheres& spheres, const PackingBox& box, std::sp
   return sort_into_rows(count, near);
 }
 
-/// Shift of sphere i that takes its share of every overlap with others.
-Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, std::span<const int> near) {
-  Vec3 shift(0, 0, 0);
+/// Where contacts push a sphere in one sweep.
+struct Push {
+  Vec3 shift{0, 0, 0};
+  double squeeze = 0;  ///< m, sizes of all pushes: large where they oppose each other
+};
+
+/// Takes sphere i's share of every overlap with others.
+void push_from_spheres(const LooseSpheres& spheres, std::size_t i, std::span<const int> near, Push& push) {
   const Vec3 x = spheres.position[i];
   for (int j : near) {
     const auto other = static_cast<std::size_t>(j);
@@ -159,13 +162,14 @@ Vec3 shift_from_spheres(const LooseSpheres& spheres, std::size_t i, std::span<co
     const double distance = std::sqrt(squared);
     // Two centres in one place part along an axis that depends on their order only.
     const Vec3 direction = distance > 1e-12 * sum ? Vec3(apart / distance) : Vec3(0, 0, i < other ? -1 : 1);
-    shift += pair_share * spheres.radius[other] / sum * (sum - distance) * direction;
+    const double size = pair_share * spheres.radius[other] / sum * (sum - distance);
+    push.shift += size * direction;
+    push.squeeze += size;
   }
-  return shift;
 }
 
-Vec3 shift_from_obstacles(const Vec3& x, double radius, std::span<const ThinQuad> obstacles,
-                          std::span<const int> near) {
+void push_from_obstacles(const Vec3& x, double radius, std::span<const ThinQuad> obstacles,
+                         std::span<const int> near, Push& push) {
   Vec3 shift(0, 0, 0);
   for (int q : near) {
     const ThinQuad& quad = obstacles[static_cast<std::size_t>(q)];
@@ -179,9 +183,11 @@ Vec3 shift_from_obstacles(const Vec3& x, double radius, std::span<const ThinQuad
       direction = (quad.corner[2] - quad.corner[0]).cross(quad.corner[3] - quad.corner[1]).normalized();
     // Facets of one fibre share edges and push alike: the largest push in a direction counts, not their sum.
     const double wanted = reach - distance - shift.dot(direction);
-    if (wanted > 0) shift += wanted * direction;
+    if (wanted <= 0) continue;
+    shift += wanted * direction;
+    push.squeeze += wanted;
   }
-  return shift;
+  push.shift += shift;
 }
 
 double clamp_between(double x, double low, double high) {
@@ -203,36 +209,85 @@ void keep_between_walls(Vec3& x, double radius, const PackingBox& box) {
 
 }  // namespace
 
+struct Relaxation::Neighbours {
+  Lists spheres, obstacles;  // by sphere
+};
+
+Relaxation::Relaxation(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles)
+    : spheres_(spheres), box_(box), obstacles_(obstacles), next_(spheres.position) {
+  const std::size_t count = spheres.radius.size();
+  for (double radius : spheres.radius) mean_radius_ += radius / static_cast<double>(count);
+  skin_ = skin_share * mean_radius_;
+}
+
+Relaxation::~Relaxation() = default;
+
+void Relaxation::renew_lists() {
+  bool renew = near_ == nullptr;
+  const std::size_t count = spheres_.radius.size();
+  for (std::size_t i = 0; i < count && !renew; ++i)
+    renew = (spheres_.position[i] - listed_[i]).squaredNorm() > 0.25 * skin_ * skin_;
+  if (!renew) return;
+  near_ = std::make_unique<Neighbours>(
+      Neighbours{find_spheres(spheres_, box_, skin_), find_obstacles(spheres_, box_, obstacles_, skin_)});
+  listed_ = spheres_.position;
+}
+
+void Relaxation::sweep(bool in_slabs, double drop, const std::function<void(Vec3Array&)>& constrain) {
+  renew_lists();
+  const std::size_t count = spheres_.radius.size();
+  constexpr std::size_t worth_threads = 4096;
+#pragma omp parallel for schedule(static) if (count > worth_threads)
+  for (std::size_t i = 0; i < count; ++i) {
+    const double radius = spheres_.radius[i];
+    Push push;
+    push_from_spheres(spheres_, i, near_->spheres.row(i), push);
+    push_from_obstacles(spheres_.position[i] + push.shift, radius, obstacles_, near_->obstacles.row(i), push);
+    Vec3 x = spheres_.position[i] + push.shift;
+    if (push.squeeze < share_of_drop * drop) x.z() -= drop;
+    keep_between_walls(x, radius, box_);
+    const double low = in_slabs ? spheres_.low[i] : box_.floor, high = in_slabs ? spheres_.high[i] : box_.lid;
+    x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box_.floor + radius);
+    next_.set(i, x);
+  }
+  if (constrain) constrain(next_);
+  std::swap(spheres_.position, next_);
+}
+
+double Relaxation::depth_in_obstacles(const Vec3& x, double radius) const {
+  double deepest = 0;
+  for (const ThinQuad& quad : obstacles_) {
+    const double reach = radius + quad.half_thickness;
+    const double across = (quad.corner[2] - quad.corner[0]).norm() + (quad.corner[3] - quad.corner[1]).norm();
+    if ((x - quad.corner[0]).squaredNorm() > (reach + across) * (reach + across)) continue;
+    const double squared = closest_point_on_facet(x, quad.corner).distance_squared;
+    if (squared < reach * reach) deepest = std::max(deepest, reach - std::sqrt(squared));
+  }
+  return deepest;
+}
+
+double Relaxation::depth_in_obstacles(std::size_t i) {
+  renew_lists();
+  double deepest = 0;
+  for (const int q : near_->obstacles.row(i)) {
+    const ThinQuad& quad = obstacles_[static_cast<std::size_t>(q)];
+    const double distance =
+        std::sqrt(closest_point_on_facet(spheres_.position[i], quad.corner).distance_squared);
+    deepest = std::max(deepest, spheres_.radius[i] + quad.half_thickness - distance);
+  }
+  return deepest;
+}
+
+void Relaxation::move(std::size_t i, const Vec3& x) {
+  spheres_.position.set(i, x);
+  near_ = nullptr;
+}
+
 void push_apart(LooseSpheres& spheres, const PackingBox& box, std::span<const ThinQuad> obstacles, int sweeps,
                 const std::function<void(Vec3Array&)>& constrain) {
-  const std::size_t count = spheres.radius.size();
-  if (count == 0) return;
-  double mean = 0;
-  for (double radius : spheres.radius) mean += radius / static_cast<double>(count);
-  const double skin = skin_share * mean;
-  Neighbours near;
-  Vec3Array listed, next = spheres.position;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    bool renew = sweep == 0;
-    for (std::size_t i = 0; i < count && !renew; ++i)
-      renew = (spheres.position[i] - listed[i]).squaredNorm() > 0.25 * skin * skin;
-    if (renew) {
-      near = {find_spheres(spheres, box, skin), find_obstacles(spheres, box, obstacles, skin)};
-      listed = spheres.position;
-    }
-    const bool in_slabs = sweep < sweeps / 4;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double radius = spheres.radius[i];
-      Vec3 x = spheres.position[i] + shift_from_spheres(spheres, i, near.spheres.row(i));
-      x += shift_from_obstacles(x, radius, obstacles, near.obstacles.row(i));
-      keep_between_walls(x, radius, box);
-      const double low = in_slabs ? spheres.low[i] : box.floor, high = in_slabs ? spheres.high[i] : box.lid;
-      x.z() = std::max(clamp_between(x.z(), low + radius, high - radius), box.floor + radius);
-      next.set(i, x);
-    }
-    if (constrain) constrain(next);
-    std::swap(spheres.position, next);
-  }
+  if (spheres.radius.empty()) return;
+  Relaxation relaxation(spheres, box, obstacles);
+  for (int sweep = 0; sweep < sweeps; ++sweep) relaxation.sweep(sweep < sweeps / 4, 0, constrain);
 }
 
 }  // namespace tuft::dem

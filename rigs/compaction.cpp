@@ -30,13 +30,19 @@ Compaction::Compaction(const Scene& scene, const Schedule& schedule, const coupl
     : scene_(&scene),
       schedule_(schedule),
       start_(built.simulation->bodies().at(built.plate).position.z()),
-      pressed_(coupler::pressed_height(scene)),
       placed_(depths(built)) {
-  if (scene.conditioning.method == "roller") roller_.emplace(scene);
+  pressed_ = surface() - scene.conditioning.depth;
+  if (scene.conditioning.method == "roller") roller_.emplace(scene, surface());
 }
 
+double Compaction::placed_depth() const {
+  return scene_->infill.approach == Approach::dem ? placed_.back() : scene_->infill_depth();
+}
 double Compaction::wanted_depth() const {
-  return scene_->infill_depth() - scene_->conditioning.depth;
+  return placed_depth() - scene_->conditioning.depth;
+}
+double Compaction::surface() const {
+  return scene_->turf.carpet.backing_thickness + placed_depth();
 }
 
 std::vector<double> Compaction::depths(const coupler::BuiltSimulation& built) const {
@@ -140,7 +146,7 @@ std::map<std::string, Quantity> Compaction::notes() const {
   depth("placed", placed_), depth("under_plate", under_plate_), depth("lifted", lifted_);
   depth("at_switch", switched_), depth("released", released_);
   if (!released_.empty())
-    notes["conditioning_residual_compaction"] = {scene_->infill_depth() - released_.back(), "m"};
+    notes["conditioning_residual_compaction"] = {placed_depth() - released_.back(), "m"};
   const double area = scene_->turf.size[0] * scene_->turf.size[1];
   if (roller_)
     notes["conditioning_roller_force_largest"] = {largest_pressure_ * area, "N"};
@@ -215,7 +221,9 @@ void Compaction::load(const h5::Group& group) {
   missing_ = n[13], stays_ = n[14] != 0;
   element_steps_ = h5::read_count(group, "element_steps");
   const auto read = [&](const char* name) { return h5::read_all_checked(group, name); };
-  placed_ = read("placed"), under_plate_ = read("under_plate"), lifted_ = read("lifted");
+  placed_ = read("placed");
+  if (roller_) roller_.emplace(*scene_, surface());
+  under_plate_ = read("under_plate"), lifted_ = read("lifted");
   switched_ = read("switched"), released_ = read("released");
   switch_.density_mean = read("density_mean"), switch_.density_deviation = read("density_deviation");
 }

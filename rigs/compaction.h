@@ -54,7 +54,10 @@ class Compaction {
   void drive(std::uint64_t index, coupler::BuiltSimulation& built) const;
   void take_away(coupler::BuiltSimulation& built) const;
   void finish_press(const coupler::BuiltSimulation& built);
+  [[nodiscard]] double placed_depth()
+      const;  ///< m, above the backing: of grains as they lie, else as asked for
   [[nodiscard]] double wanted_depth() const;  ///< m, above the backing
+  [[nodiscard]] double surface() const;       ///< m, height as placed
   [[nodiscard]] bool repeats() const { return !roller_ && schedule_.presses > 1; }
 
   const Scene* scene_;

@@ -7,8 +7,13 @@
 #include "core/scene.h"
 #include "dem_bridge/dem_infill.h"
 #include "rigs/run.h"
+#include "rigs/run_state.h"
 
 namespace tuft::rigs {
+
+/// How the bed lay when it was placed and when the rig was released, and how it came to rest
+/// (coupler/bed_state.h). Nothing of a continuum.
+void add_bed_notes(const Scene& scene, const RunState& state, std::map<std::string, Quantity>& notes);
 
 /// Overlap over the smaller radius: mean, 99th percentile and largest of all contacts as they are, and for
 /// each pair of materials `grain_overlap_<a>_<b>_...`, with the largest of the run as far as it was looked at

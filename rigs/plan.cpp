@@ -18,6 +18,7 @@
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
 #include "rigs/run.h"
+#include "rigs/run_remarks.h"
 #include "rigs/run_state.h"
 #include "rigs/specimen_run.h"
 #include "rigs/window_remarks.h"
@@ -222,7 +223,8 @@ void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double 
 void remark_on_conditioning(RunPlan& plan, const Scene& scene, const Schedule& schedule) {
   const bool rolls = scene.conditioning.method == "roller";
   const double intervals = static_cast<double>(schedule.conditioned()),
-               share = intervals / static_cast<double>(schedule.end);
+               share =
+                   intervals / static_cast<double>(schedule.end - schedule.settle + schedule.settle_expected);
   plan.remarks.push_back(fmt::format(
       "conditioning: {}{:.3g} ms under a {}, {:.0f} % of the windows and of the time ({} sets most of it)",
       schedule.presses > 1 && !rolls ? "at most " : "", 1e3 * intervals * schedule.interval,
@@ -246,7 +248,8 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   const double window =
       plan.shells > 0 ? carpet.stable_step() : 1 / std::hypot(1 / grains.own_step, 1 / grains.contact_step);
   const coupler::StableSteps stable{window, grains.own_step, grains.contact_step, carpet.subcycle_ratio()};
-  take_steps(plan, stable, scene, schedule.interval, schedule.end);
+  take_steps(plan, stable, scene, schedule.interval,
+             schedule.end - schedule.settle + schedule.settle_expected);
   add_remark(plan, remark_on_windows(stable, scene.numerics, schedule.interval, "output.histories"));
   constexpr double particle_steps_per_s = 1.5e6,
                    element_steps_per_s = 2e6;  // low end of measured speeds, settled bed
@@ -259,11 +262,30 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
   plan.remarks.push_back(
       "grains are counted from layer masses, and time and memory estimated from usual speeds: nothing was "
       "packed");
+  if (schedule.settle > schedule.settle_least)
+    plan.remarks.push_back(
+        fmt::format("grains settle until they are at rest: {:.3g} to {:.3g} ms (numerics.settle_time, "
+                    "settle_time_limit), estimated as {:.3g} ms",
+                    1e3 * static_cast<double>(schedule.settle_least) * schedule.interval,
+                    1e3 * static_cast<double>(schedule.settle) * schedule.interval,
+                    1e3 * static_cast<double>(schedule.settle_expected) * schedule.interval));
   if (scene.conditioning.on()) remark_on_conditioning(plan, scene, schedule);
   remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
 }
 
 }  // namespace
+
+std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& state) {
+  RunPlan plan;
+  plan.effects = state.effects;
+  plan.remarks = coupler::carpet_mesh_notes(scene);
+  remark_on_mass_scaling(plan, state.simulation().carpet().mass_scaling());
+  if (scene.infill.approach == Approach::dem) {
+    const GrainEstimate grains = estimate_grains(scene, effect_on(plan.effects, "clumps"));
+    remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
+  }
+  return plan.remarks;
+}
 
 RunPlan plan(const Scene& scene) {
   if (scene.rig.is_component()) return plan_component(scene);

@@ -15,6 +15,7 @@
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
 #include "rigs/run_outcome.h"
+#include "rigs/run_remarks.h"
 #include "rigs/run_state.h"
 #include "rigs/specimen_run.h"
 #include "rigs/xdmf.h"
@@ -66,15 +67,6 @@ std::map<std::string, double> cost_by_phase(coupler::Simulation& simulation,
   return cost;
 }
 
-void add_bed(std::map<std::string, Quantity>& notes, const char* when,
-             const std::optional<coupler::BedState>& bed) {
-  if (!bed) return;
-  notes[fmt::format("bed_{}_depth", when)] = {bed->depth, "m"};
-  notes[fmt::format("bed_{}_bulk_density", when)] = {bed->bulk_density, "kg/m^3"};
-  notes[fmt::format("bed_{}_porosity", when)] = {bed->porosity, "1"};
-  notes[fmt::format("bed_{}_coordination", when)] = {bed->coordination, "1"};
-}
-
 /// Runs one request; its members are what the stages share.
 class Runner {
  public:
@@ -110,6 +102,8 @@ class Runner {
       before_ = rest.spent;
       recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), state_.simulation(), rest.rows,
                                                   rig_columns(*state_.rig), coupler::micro_settings(scene)));
+      if (state_.index > state_.schedule.release() && state_.built.dem != nullptr)
+        state_.built.dem->set_overlap_limit(scene.infill.dem.overlap_limit);
       if (state_.index >= state_.schedule.release())
         set_drop_damping();
       else
@@ -120,9 +114,20 @@ class Runner {
           finished_columns(*state_.rig), coupler::micro_settings(scene)));
       set_settle_damping();
     }
+    remark(remarks_on_setup(scene, state_));
+    remark(remarks_on_rest(scene, state_));
     state_.simulation().timers().add(Phase::packing, state_.built.packing_seconds);
     state_.simulation().timers().add(Phase::setup, seconds_since(start_) - state_.built.packing_seconds);
     built_ = true;
+  }
+
+  /// What has been said once is not said again.
+  void remark(const std::vector<std::string>& remarks) {
+    for (const std::string& text : remarks) {
+      if (std::ranges::count(summary_.remarks, text) > 0) continue;
+      summary_.remarks.push_back(text);
+      if (request_.on_remark) request_.on_remark(text);
+    }
   }
 
   void set_settle_damping() {
@@ -137,6 +142,9 @@ class Runner {
     loop_start_ = Clock::now();
     first_index_ = state_.index;
     if (state_.index == 0) state_.bed_placed = bed();
+    // Contact with strands has not been looked for yet.
+    if (state_.index == 0 && state_.bed_placed && state_.packing)
+      state_.bed_placed->rest = state_.packing->rest;
     if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
     int checkpoints = 0;
     count_steps();
@@ -149,6 +157,9 @@ class Runner {
                                                 turf.carpet.backing_thickness, turf.layers.size());
         if (state_.compaction) state_.compaction->note_release(state_.built);
         state_.bed_released = bed();
+        if (state_.built.dem != nullptr)
+          state_.built.dem->count_overlaps_from_now(request_.scene.infill.dem.overlap_limit);
+        remark(remarks_on_rest(request_.scene, state_));
         state_.rig->release(simulation);
       }
       simulation.advance_interval(schedule.interval);
@@ -157,6 +168,7 @@ class Runner {
         state_.compaction->after_interval(state_.index, state_.built);
         state_.index = state_.compaction->next_index(state_.index);
       }
+      settle();
       const double time = schedule.time(state_.index);
       simulation.set_time(time);  // no drift: the grid's own value
       state_.rig->sample(simulation, time - 0.5 * schedule.interval, schedule.interval);
@@ -178,11 +190,25 @@ class Runner {
     summary_.status = "completed";
   }
 
+  /// Grains that lie still are not settled on: what is left of the time for it passes at once.
+  void settle() {
+    const Schedule& schedule = state_.schedule;
+    if (state_.index <= schedule.conditioned() || state_.index >= schedule.release()) return;
+    const std::uint64_t done = state_.index - schedule.conditioned();
+    if (schedule.settle == schedule.settle_least || done < schedule.settle_least ||
+        (done - schedule.settle_least) % schedule.look_every != 0)
+      return;
+    const double tolerance = request_.scene.infill.dem.rest_tolerance;
+    if (!is_at_rest(measure_rest(state_.simulation()), tolerance)) return;
+    state_.settled = done;
+    state_.index = schedule.release();
+  }
+
   /// How grains lie; empty for a continuum.
   [[nodiscard]] std::optional<coupler::BedState> bed() const {
     if (state_.built.dem == nullptr) return std::nullopt;
     const Turf& turf = request_.scene.turf;
-    return coupler::measure_bed(*state_.built.dem, turf.size, turf.carpet.backing_thickness,
+    return coupler::measure_bed(state_.simulation(), turf.size, turf.carpet.backing_thickness,
                                 turf.layers.size());
   }
 
@@ -370,12 +396,12 @@ void Runner::measure() {
     notes[fmt::format("layer_{}_{}_depth", i + 1, request_.scene.materials.at(layers[i].material).name)] = {
         state_.layer_tops[i] - (i > 0 ? state_.layer_tops[i - 1] : 0), "m"};
   if (state_.compaction) notes.merge(state_.compaction->notes());
-  add_bed(notes, "placed", state_.bed_placed);
-  add_bed(notes, "released", state_.bed_released);
+  add_bed_notes(request_.scene, state_, notes);
   notes["threads"] = {static_cast<double>(omp_get_max_threads()), "1"};
   if (state_.built.dem != nullptr) {
     notes["packing_from_cache"] = {state_.built.packing_from_cache ? 1.0 : 0.0, "1"};
     add_grain_notes(*state_.built.dem, request_.scene.materials, summary_.status == "failed", notes);
+    remark(remarks_on_overlaps(request_.scene, *state_.built.dem));
   }
 }
 

@@ -43,6 +43,7 @@ struct RunSummary {
   double particle_steps_per_s = 0, element_steps_per_s = 0;  ///< over the time spent in those phases
   std::uint64_t peak_memory_bytes = 0;                       ///< of this program and its host
   std::vector<EffectDecision> effects;
+  std::vector<std::string> remarks;  ///< in words: what the user should know of what the run rests on
   std::map<std::string, Quantity>
       notes;  ///< further measures: steps of each part, initial overlap, compliance...
 };
@@ -53,8 +54,9 @@ struct RunRequest {
   bool resume = false;
   int stop_after_checkpoints =
       0;  ///< > 0: stop as by Ctrl-C after that many checkpoints (tests, long queues)
-  std::function<void(const Progress&)> on_progress;  ///< called at most ten times a second
-  const std::atomic<bool>* stop = nullptr;           ///< set by Ctrl-C: checkpoint and stop
+  std::function<void(const Progress&)> on_progress;   ///< called at most ten times a second
+  std::function<void(const std::string&)> on_remark;  ///< each of RunSummary::remarks, as soon as it is known
+  const std::atomic<bool>* stop = nullptr;            ///< set by Ctrl-C: checkpoint and stop
 };
 
 /// Runs to the end, to a stop or to a failure; always leaves summary.json, run.h5 and run.xdmf readable.

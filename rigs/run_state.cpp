@@ -18,7 +18,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 15;
+constexpr std::uint64_t checkpoint_format = 16;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
@@ -48,13 +48,24 @@ h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) 
 /// Empty where it has not been measured.
 void save_bed(h5::Group& root, const char* name, const std::optional<coupler::BedState>& bed) {
   std::vector<double> values;
-  if (bed) values = {bed->depth, bed->bulk_density, bed->porosity, bed->coordination};
+  if (bed) values = numbers_of(*bed);
   root.write(name, std::span<const double>(values));
 }
 std::optional<coupler::BedState> load_bed(const h5::Group& root, const char* name) {
   const std::vector<double> values = root.read_doubles(name);
   if (values.empty()) return std::nullopt;
-  return coupler::BedState{values.at(0), values.at(1), values.at(2), values.at(3)};
+  return coupler::bed_of(values);
+}
+
+void save_packing(h5::Group& root, const std::optional<coupler::PackingReport>& packing) {
+  std::vector<double> values;
+  if (packing) values = numbers_of(*packing);
+  root.write("packing", std::span<const double>(values));
+}
+std::optional<coupler::PackingReport> load_packing(const h5::Group& root) {
+  const std::vector<double> values = root.read_doubles("packing");
+  if (values.empty()) return std::nullopt;
+  return coupler::packing_report_of(values);
 }
 
 }  // namespace
@@ -83,7 +94,14 @@ Schedule make_schedule(const Scene& scene) {
     s.rest = intervals_in(conditioning.settle_time, s.interval);
     s.conditioning_frame_every = at_least_one(conditioning.frames);
   }
-  s.settle = intervals_in(scene.numerics.settle_time, s.interval);
+  s.settle = s.settle_least = intervals_in(scene.numerics.settle_time, s.interval);
+  if (scene.infill.approach == Approach::dem && !scene.rig.is_component() && !scene.rig.is_specimen()) {
+    constexpr double look_every = 1e-3;  // s
+    s.settle = std::max(s.settle, intervals_in(scene.numerics.settle_time_limit, s.interval));
+    s.look_every = at_least_one(look_every);
+  }
+  constexpr double usual_settling = 0.03;  // s, of coarse beds (docs/theory/dem.md)
+  s.settle_expected = std::min(s.settle, std::max(s.settle_least, intervals_in(usual_settling, s.interval)));
   s.end = s.release() + at_least_one(scene.info.duration);
   s.frame_every = at_least_one(scene.output.frames);
   if (scene.output.checkpoint_every > 0) s.checkpoint_every = at_least_one(scene.output.checkpoint_every);
@@ -104,10 +122,15 @@ RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint
   request.grains = grains;
   request.on_progress = on_progress;
   const bool conditioned = scene.conditioning.on();
-  request.start_time = conditioned ? state.schedule.time(0) : -scene.numerics.settle_time;
+  const bool grains_settle = state.schedule.settle != state.schedule.settle_least;
+  request.start_time = conditioned || grains_settle ? state.schedule.time(0) : -scene.numerics.settle_time;
   // A checkpoint taken where conditioning ends is from before the switch.
   request.before_conditioning = conditioned && index <= state.schedule.conditioned();
+  Scene before_release = scene;
+  before_release.infill.dem.overlap_limit = 0;  // counts from the release on
+  request.scene = &before_release;
   state.built = coupler::build_simulation(request);
+  state.packing = state.built.packing;
   state.rig->set_first_body(state.built.first_rig_body);
   state.simulation().set_time(state.schedule.time(0));
   if (conditioned) state.compaction.emplace(scene, state.schedule, state.built);
@@ -124,6 +147,8 @@ void write_checkpoint(const std::filesystem::path& path, const Scene& scene, Run
   root.write("layer_tops", std::span<const double>(state.layer_tops));
   save_bed(root, "bed_placed", state.bed_placed);
   save_bed(root, "bed_released", state.bed_released);
+  save_packing(root, state.packing);
+  root.write_scalar("settled", state.settled);
   if (state.compaction) {
     h5::Group compaction = root.create_group("compaction");
     state.compaction->save(compaction);
@@ -211,6 +236,8 @@ CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& s
     state.layer_tops = root.read_doubles("layer_tops");
     state.bed_placed = load_bed(root, "bed_placed");
     state.bed_released = load_bed(root, "bed_released");
+    state.packing = load_packing(root);
+    state.settled = root.read_count("settled");
     if (state.compaction) state.compaction->load(root.open_group("compaction"));
     const h5::Group spent_group = root.open_group("spent");
     rest.spent.wall = spent_group.read_double("wall");

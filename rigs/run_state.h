@@ -33,6 +33,9 @@ struct RunState {
   std::optional<coupler::BedState> bed_placed,
       bed_released;  ///< of grains: at rest before all else, and when the rig was released
 
+  std::optional<coupler::PackingReport> packing;  ///< of grains, how they were packed
+  std::uint64_t settled = 0;  ///< intervals of settling that grains took until they were at rest; 0: not yet
+
   std::optional<Compaction> compaction;  ///< of a scene with conditioning
 
   [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }

@@ -13,8 +13,11 @@ struct Schedule {
   /// Intervals of conditioning: plate down, up, and away; or the roller's pass, 0, and rest.
   std::uint64_t press = 0, lift = 0, rest = 0;
   std::uint64_t presses = 1;  ///< how often that comes, at most
-  std::uint64_t settle = 0;   ///< intervals of settling between that and the release
-  std::uint64_t end = 0;      ///< intervals in all
+  /// Intervals of settling between that and the release: of grains at most, and they settle for
+  /// `settle_least` at least; in between they are looked at every `look_every`.
+  std::uint64_t settle = 0, settle_least = 0, look_every = 1;
+  std::uint64_t settle_expected = 0;  ///< an estimate, for plans
+  std::uint64_t end = 0;              ///< intervals in all
   std::uint64_t frame_every = 1;
   std::uint64_t conditioning_frame_every = 1;
   std::uint64_t checkpoint_every = 0;  ///< 0: only at the end and on interruption

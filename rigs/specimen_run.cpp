@@ -1,5 +1,6 @@
 #include "rigs/specimen_run.h"
 #include "rigs/grain_notes.h"
+#include "rigs/run_remarks.h"
 
 #include <fmt/format.h>
 
@@ -284,8 +285,11 @@ class SpecimenRunner {
     if (!simulation_) return;
     summary_.steps = tally_.steps_before + simulation_->windows();
     summary_.notes["window"] = {simulation_->step_plan().window, "s"};
-    if (const auto* grains = dynamic_cast<const dem::DemInfill*>(&simulation_->infill()))
+    if (const auto* grains = dynamic_cast<const dem::DemInfill*>(&simulation_->infill())) {
       add_grain_notes(*grains, request_.scene.materials, summary_.status == "failed", summary_.notes);
+      summary_.remarks = remarks_on_overlaps(request_.scene, *grains);
+      if (request_.on_remark) std::ranges::for_each(summary_.remarks, request_.on_remark);
+    }
     summary_.notes["kinetic_share"] = {kinetic_share(), "1"};
     const auto particle_steps =
         static_cast<double>(tally_.particle_steps_before + simulation_->infill().particle_steps());

@@ -64,6 +64,7 @@ RunSummary summary_of(const Json& json) {
   for (const auto& [name, effect] : json.at("effects").items())
     summary.effects.push_back({name, effect.at("on").get<bool>(), effect.at("why").get<std::string>()});
   summary.notes = quantities_of(json.at("notes"));
+  if (json.contains("remarks")) summary.remarks = json.at("remarks").get<std::vector<std::string>>();
   return summary;
 }
 
@@ -119,6 +120,7 @@ std::string summary_json(const RunSummary& summary) {
   for (const EffectDecision& effect : summary.effects)
     json["effects"][effect.name] = {{"on", effect.on}, {"why", effect.why}};
   json["notes"] = json_quantities(summary.notes);
+  json["remarks"] = summary.remarks;
   json["version"] = summary.version;
   // Error texts of other programs may hold bytes that are not UTF-8; they are replaced, never thrown on.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

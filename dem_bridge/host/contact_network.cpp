@@ -57,13 +57,14 @@ class VelocitiesOfEvaluation {
 /// While it lives, tangential springs are longer by so little that it shows in no result, and longer than
 /// Coulomb's limit where they were at it. A spring that slid in the evaluation was cut to the limit, without
 /// a dashpot. Evaluated anew it would pass or fail the comparison with the limit by rounding, and about half
-/// of all sliding contacts would be given a dashpot that they did not have.
+/// of all sliding contacts would be given a dashpot that they did not have. Without friction the limit is 0,
+/// and so are the springs: they get a length of nearly nothing.
 class SpringsPastTheirLimit {
  public:
   explicit SpringsPastTheirLimit(LAMMPS_NS::PairGran& pair) : pair_(pair) {
     visit([&](double& component) {
       kept_.push_back(component);
-      component *= 1 + stretch;
+      component = component == 0 ? nearly_nothing : component * (1 + stretch);
     });
   }
   ~SpringsPastTheirLimit() {
@@ -74,7 +75,7 @@ class SpringsPastTheirLimit {
   SpringsPastTheirLimit& operator=(const SpringsPastTheirLimit&) = delete;
 
  private:
-  static constexpr double stretch = 1e-12;
+  static constexpr double stretch = 1e-12, nearly_nothing = 1e-100;  // m
 
   template <class Visit>
   void visit(Visit&& visit_component) {

@@ -29,6 +29,7 @@ void print_deposits();
 void print_rods();
 void print_fine_columns();
 void print_channel();
+void print_shipped_columns();
 void print_inertial_columns();
 void print_round_columns();
 

@@ -30,8 +30,10 @@ TEST(DemDrop, IsAPulseWithEnergyAndMomentumInBalance) {
 }
 
 TEST(DemDrop, ResumesFromItsCheckpoint) {
-  const Overrides often = dem(
-      {{"scene.duration", "4 ms"}, {"numerics.settle_time", "2 ms"}, {"output.checkpoint_every", "3 ms"}});
+  const Overrides often = dem({{"scene.duration", "4 ms"},
+                               {"numerics.settle_time", "2 ms"},
+                               {"numerics.settle_time_limit", "2 ms"},
+                               {"output.checkpoint_every", "3 ms"}});
   RunRequest through;
   through.scene = coarse_scene(often);
   through.folder = fresh_folder("dem-through");

@@ -17,8 +17,10 @@ namespace tuft::rigs {
 namespace {
 
 Overrides of(const std::string& approach, const Overrides& more) {
-  Overrides overrides{
-      {"infill.approach", approach}, {"numerics.settle_time", "2 ms"}, {"scene.duration", "4 ms"}};
+  Overrides overrides{{"infill.approach", approach},
+                      {"numerics.settle_time", "2 ms"},
+                      {"numerics.settle_time_limit", "2 ms"},
+                      {"scene.duration", "4 ms"}};
   if (approach == "dem")
     overrides.insert(overrides.end(), {{"infill.dem.host", TUFT_TEST_HOST},
                                        {"infill.dem.use_cache", "false"},

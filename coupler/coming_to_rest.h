@@ -1,0 +1,30 @@
+#pragma once
+/// Packed grains come to rest by dynamics, while strands stand still.
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/scene.h"
+#include "coupler/bed_state.h"
+#include "coupler/simulation.h"
+
+namespace tuft::coupler {
+
+/// How a packing came about.
+struct PackingReport {
+  double time = 0;  ///< s of dynamics that it took
+  bool at_rest = false;
+  RestState rest;    ///< in the end
+  double moved = 0;  ///< grains that stuck between strands and were placed elsewhere in their layer
+};
+[[nodiscard]] std::vector<double> numbers_of(const PackingReport& report);
+[[nodiscard]] PackingReport packing_report_of(std::span<const double> numbers);
+
+/// Three stages: strong drag, in which what overlaps still parts slowly; several g with light drag, until
+/// nearly all that weighs is borne; 1 g with light drag, until the grains are at rest by
+/// options.rest_tolerance. At least options.settle_time, at most options.settle_time_limit (whichever is
+/// longer). `report` gets the share of that limit that is done. `moved` of the result is left at 0.
+PackingReport come_to_rest(Simulation& simulation, const DemOptions& options,
+                           const std::function<void(double)>& report);
+
+}  // namespace tuft::coupler

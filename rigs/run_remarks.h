@@ -1,0 +1,17 @@
+#pragma once
+/// What the user should know of what a run rests on, in words: for its log, summary and report.
+#include <string>
+#include <vector>
+
+#include "rigs/run_state.h"
+
+namespace tuft::rigs {
+
+/// Of a run that is built: what `check` says too, as far as it is known now.
+[[nodiscard]] std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& state);
+/// Of grains that were not at rest when they were packed, or when the rig was released. Empty before that.
+[[nodiscard]] std::vector<std::string> remarks_on_rest(const Scene& scene, const RunState& state);
+/// Of grains that overlapped by more than a tenth of the smaller radius.
+[[nodiscard]] std::vector<std::string> remarks_on_overlaps(const Scene& scene, const dem::DemInfill& infill);
+
+}  // namespace tuft::rigs

@@ -1,0 +1,146 @@
+// Beds of grains are at rest when the rig is released, or the run says that they are not.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coarse_scene.h"
+#include "core/hdf5_file.h"
+
+namespace tuft::rigs {
+namespace {
+
+/// Rubber alone, on a small patch.
+Overrides bed(const Overrides& more = {}) {
+  Overrides overrides{{"infill.approach", "dem"},
+                      {"infill.dem.host", TUFT_TEST_HOST},
+                      {"infill.dem.use_cache", "false"},
+                      {"infill.dem.material_coarse_graining", "{ sbr = 3.0 }"},
+                      {"infill.dem.pairs", "[]"},
+                      {"turf.size", "[\"40 mm\", \"40 mm\"]"},
+                      {"turf.layers", "[{ material = \"sbr\", depth = \"30 mm\" }]"},
+                      {"rig.diameter", "20 mm"},
+                      {"scene.duration", "0.5 ms"}};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
+RunRequest request_of(const std::string& name, const Overrides& overrides) {
+  RunRequest request;
+  request.scene = coarse_scene(overrides);
+  request.folder = fresh_folder(name);
+  return request;
+}
+
+double note(const RunSummary& summary, const std::string& name) {
+  return summary.notes.at(name).value;
+}
+
+bool says(const RunSummary& summary, const std::string& words) {
+  return std::ranges::any_of(summary.remarks,
+                             [&](const std::string& r) { return r.find(words) != std::string::npos; });
+}
+
+class GrainRest : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(GrainRest, DoublingTheSettlingChangesTheBedLittle) {
+  const Overrides fibres{{"effects.fibres", GetParam()}};
+  const RunSummary once = run(request_of("rest-once", bed(fibres)));
+  ASSERT_EQ(once.status, "completed") << once.error;
+  EXPECT_EQ(note(once, "bed_at_rest"), 1);
+  EXPECT_EQ(note(once, "packing_at_rest"), 1);
+  EXPECT_LE(note(once, "bed_released_unborne_weight"), 0.1);
+  EXPECT_FALSE(says(once, "not at rest"));
+  const double time = note(once, "bed_settle_time");
+  EXPECT_LT(time, 0.1);
+  Overrides longer = bed(fibres);
+  longer.emplace_back("numerics.settle_time", std::to_string(2e3 * time) + " ms");
+  const RunSummary twice = run(request_of("rest-twice", longer));
+  ASSERT_EQ(twice.status, "completed") << twice.error;
+  const double depth = note(once, "bed_released_depth"), contacts = note(once, "bed_released_coordination");
+  EXPECT_NEAR(note(twice, "bed_released_depth"), depth, 0.01 * depth);
+  EXPECT_NEAR(note(twice, "bed_released_coordination"), contacts, 0.05 * contacts);
+  EXPECT_GT(contacts, 2.5);
+}
+
+/// A missile that hardly touches: what moves, falls.
+TEST_P(GrainRest, NothingFallsOnceDragIsTakenAway) {
+  const RunSummary s = run(request_of("rest-released", bed({{"effects.fibres", GetParam()},
+                                                            {"rig.speed", "0.9 m/s"},
+                                                            {"rig.mass", "10 mg"},
+                                                            {"scene.duration", "4 ms"},
+                                                            {"output.frames", "1 ms"}})));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  const h5::File file =
+      h5::File::open(std::filesystem::temp_directory_path() /
+                     ("tuft-test-" + std::to_string(::getpid()) + "-rest-released") / "run.h5");
+  const std::vector<double> velocity =
+      file.root().open_group("frames").open_group("infill").read_doubles("velocity");
+  const std::size_t grains = s.particles;
+  double mean = 0;
+  for (std::size_t i = velocity.size() - 3 * grains; i < velocity.size(); i += 3) mean += velocity[i + 2];
+  mean /= static_cast<double>(grains);
+  EXPECT_GT(mean, -0.15 * 9.81 * 4e-3) << "m/s; free fall for 4 ms is -0.039";
+}
+
+INSTANTIATE_TEST_SUITE_P(Fibres, GrainRest, ::testing::Values("true", "false"));
+
+TEST(GrainRest, ABedThatIsNotAtRestIsSaidNotToBe) {
+  const RunSummary s = run(request_of("rest-missed", bed({{"infill.dem.settle_time_limit", "3 ms"},
+                                                          {"infill.dem.rest_tolerance", "0.001"},
+                                                          {"numerics.settle_time", "1 ms"},
+                                                          {"numerics.settle_time_limit", "2 ms"}})));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_EQ(note(s, "packing_at_rest"), 0);
+  EXPECT_EQ(note(s, "bed_at_rest"), 0);
+  EXPECT_NEAR(note(s, "bed_settle_time"), 2e-3, 1e-9);
+  EXPECT_TRUE(says(s, "not at rest after 3 ms of packing"));
+  EXPECT_TRUE(says(s, "not at rest when the rig was released"));
+  EXPECT_TRUE(says(s, "raise numerics.settle_time_limit"));
+}
+
+TEST(GrainRest, LargeOverlapsAreSaidAndTheirLimitCountsFromTheReleaseOn) {
+  const Overrides soft{{"materials.sbr.grain.young_modulus", "1 MPa"}, {"numerics.settle_time_limit", "0 s"}};
+  Overrides dropped = bed(soft);
+  dropped.emplace_back("scene.duration", "5 ms");
+  const RunSummary s = run(request_of("rest-overlaps", dropped));
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_GT(note(s, "grain_overlap_sbr_sbr_largest_of_run"), 0.1);
+  EXPECT_TRUE(says(s, "raise grain.young_modulus, or reduce infill.dem.coarse_graining"));
+
+  Overrides limited = bed(soft);
+  limited.emplace_back("infill.dem.overlap_limit", "0.055");
+  RunRequest before = request_of("rest-limit-before", limited);
+  before.scene.info.duration = before.scene.output.histories;
+  const RunSummary settled = run(before);
+  EXPECT_EQ(settled.status, "completed")
+      << "overlaps while packed and settled do not count: " << settled.error;
+  EXPECT_GT(note(settled, "bed_placed_overlap_largest"), 0.055) << "nothing is tested";
+  limited.emplace_back("scene.duration", "5 ms");
+  const RunSummary stopped = run(request_of("rest-limit", limited));
+  EXPECT_EQ(stopped.status, "failed");
+  EXPECT_NE(stopped.error.find("infill.dem.overlap_limit"), std::string::npos) << stopped.error;
+}
+
+TEST(GrainRest, ARunStoppedWhileItSettlesGoesOnToTheSameBits) {
+  const Overrides often = bed({{"output.checkpoint_every", "4 ms"}, {"numerics.settle_time", "2 ms"}});
+  const RunSummary whole = run(request_of("rest-whole", often));
+  ASSERT_EQ(whole.status, "completed") << whole.error;
+  RunRequest request = request_of("rest-parts", often);
+  request.stop_after_checkpoints = 1;
+  RunSummary s = run(request);
+  ASSERT_EQ(s.status, "stopped");
+  ASSERT_LT(s.simulated_time, 0) << "nothing is tested";
+  request.stop_after_checkpoints = 0;
+  request.resume = true;
+  s = run(request);
+  ASSERT_EQ(s.status, "completed") << s.error;
+  EXPECT_EQ(s.steps, whole.steps);
+  for (const char* name :
+       {"bed_settle_time", "bed_released_depth", "bed_released_unborne_weight", "bed_released_speed_largest",
+        "bed_released_overlap_largest", "packing_time", "grain_overlap_sbr_sbr_largest_of_run"})
+    EXPECT_EQ(note(s, name), note(whole, name)) << name;
+}
+
+}  // namespace
+}  // namespace tuft::rigs
