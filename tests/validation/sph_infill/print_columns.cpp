@@ -227,7 +227,7 @@ As scenes have it, preset `accurate` with alpha 0.3 and zeta 0.05, all with L0 o
 )");
   const Numerics shipped{Preset::accurate, 0.3, 0.05};
   CollapseCase beads = beads_in_a_channel(), stiff_beads = beads;
-  const CollapseCase grains{.friction = thirty}, stiff{.friction = 2};
+  const CollapseCase grains{.friction = std::tan(30 * std::numbers::pi / 180)}, stiff{.friction = 2};
   stiff_beads.friction = 2;
   for (const double aspect : aspects) {
     const int particles = aspect > 2 ? 32 : 40;
