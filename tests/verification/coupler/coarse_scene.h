@@ -31,4 +31,15 @@ inline std::filesystem::path fresh_folder(const std::string& name) {
   return folder;
 }
 
+inline RunRequest request_of(const std::string& name, const Overrides& overrides) {
+  RunRequest request;
+  request.scene = coarse_scene(overrides);
+  request.folder = fresh_folder(name);
+  return request;
+}
+
+inline double note(const RunSummary& summary, const std::string& name) {
+  return summary.notes.at(name).value;
+}
+
 }  // namespace tuft::rigs

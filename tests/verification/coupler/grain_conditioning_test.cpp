@@ -27,17 +27,6 @@ Overrides pressed(const Overrides& more = {}) {
   return overrides;
 }
 
-RunRequest request_of(const std::string& name, const Overrides& overrides) {
-  RunRequest request;
-  request.scene = coarse_scene(overrides);
-  request.folder = fresh_folder(name);
-  return request;
-}
-
-double note(const RunSummary& summary, const std::string& name) {
-  return summary.notes.at(name).value;
-}
-
 /// After its first checkpoint.
 RunSummary stopped_and_resumed(const std::string& name, const Overrides& overrides) {
   RunRequest request = request_of(name, overrides);

@@ -25,17 +25,6 @@ Overrides bed(const Overrides& more = {}) {
   return overrides;
 }
 
-RunRequest request_of(const std::string& name, const Overrides& overrides) {
-  RunRequest request;
-  request.scene = coarse_scene(overrides);
-  request.folder = fresh_folder(name);
-  return request;
-}
-
-double note(const RunSummary& summary, const std::string& name) {
-  return summary.notes.at(name).value;
-}
-
 bool says(const RunSummary& summary, const std::string& words) {
   return std::ranges::any_of(summary.remarks,
                              [&](const std::string& r) { return r.find(words) != std::string::npos; });
