@@ -51,8 +51,14 @@ void save_bed(h5::Group& root, const char* name, const std::optional<coupler::Be
   if (bed) values = numbers_of(*bed);
   root.write(name, std::span<const double>(values));
 }
+/// None, or `count` finite values.
+std::vector<double> read_none_or(const h5::Group& root, const char* name, std::size_t count) {
+  if (root.read_doubles(name).empty()) return {};
+  return h5::read_checked(root, name, count);
+}
+
 std::optional<coupler::BedState> load_bed(const h5::Group& root, const char* name) {
-  const std::vector<double> values = root.read_doubles(name);
+  const std::vector<double> values = read_none_or(root, name, numbers_of(coupler::BedState{}).size());
   if (values.empty()) return std::nullopt;
   return coupler::bed_of(values);
 }
@@ -63,7 +69,8 @@ void save_packing(h5::Group& root, const std::optional<coupler::PackingReport>& 
   root.write("packing", std::span<const double>(values));
 }
 std::optional<coupler::PackingReport> load_packing(const h5::Group& root) {
-  const std::vector<double> values = root.read_doubles("packing");
+  const std::vector<double> values =
+      read_none_or(root, "packing", numbers_of(coupler::PackingReport{}).size());
   if (values.empty()) return std::nullopt;
   return coupler::packing_report_of(values);
 }

@@ -44,8 +44,12 @@ std::vector<double> row_shares(std::span<const double> place, std::span<const do
   const Eigen::MatrixXd force = (thick.asDiagonal() * gradient).transpose().bottomRows(n - 1);
   Eigen::VectorXd missing = -force.rowwise().sum();
   missing[n - 2] += 1;
+  const Eigen::VectorXd change = force.completeOrthogonalDecomposition().solve(missing);
+  // A cell cannot bear less than nothing. Few rows under a wide kernel may ask for that; they get as much of
+  // the change as leaves every share within bounds.
+  const double largest = change.cwiseAbs().maxCoeff();
   const Eigen::VectorXd share =
-      Eigen::VectorXd::Ones(n) + force.completeOrthogonalDecomposition().solve(missing);
+      Eigen::VectorXd::Ones(n) + std::min(1.0, most_share_change / std::max(largest, 1e-300)) * change;
   return {share.begin(), share.end()};
 }
 

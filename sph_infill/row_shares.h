@@ -16,6 +16,9 @@
 
 namespace tuft::sph {
 
+/// Largest difference of a share from one. (0.57 in the beds of inputs/.)
+inline constexpr double most_share_change = 0.8;
+
 /// place: of the rows, m, ascending; thickness: m, > 0; across: spacings in their plane, m. One share a row.
 /// Fewer than three rows have shares of one.
 [[nodiscard]] std::vector<double> row_shares(std::span<const double> place, std::span<const double> thickness,

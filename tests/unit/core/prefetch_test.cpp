@@ -32,9 +32,14 @@ TEST(Prefetch, AsksForWhatIsAlignedOnce) {
   EXPECT_EQ(asked, 8);
 }
 
-TEST(Prefetch, MayBeAskedForWhatDoesNotExist) {
-  prefetch(static_cast<const double*>(nullptr), 100);
-  prefetch<Access::write>(static_cast<const double*>(nullptr), 0);
+/// Addresses are numbers: what begins nowhere is reckoned like all else, and a range of nothing asks for
+/// nothing.
+TEST(Prefetch, ReckonsRangesThatDoNotExist) {
+  std::set<std::uintptr_t> lines;
+  for_cache_lines<8>(0, 800, [&](std::uintptr_t at) { lines.insert(at / cache_line); });
+  EXPECT_EQ(lines.size(), 13U);
+  for_cache_lines<8>(0, 0, [&](std::uintptr_t) { ADD_FAILURE() << "of nothing"; });
+  prefetch(static_cast<const double*>(nullptr), 100);  // a sanitiser would object
 }
 
 }  // namespace

@@ -106,9 +106,25 @@ TEST(RowShares, OfRowsFarFromTheEndsAreOneAndOfFewRowsAll) {
   EXPECT_EQ(row_shares(two, std::vector<double>{1, 1}, {1, 1}, options), (std::vector<double>{1, 1}));
 }
 
+TEST(RowShares, StayPositiveHoweverFewTheRowsAndWideTheKernel) {
+  for (const double ratio : {0.71, 1.0, 1.3, 2.0, 3.0})
+    for (const std::vector<double>& thickness :
+         {std::vector<double>{1, 1, 1}, {1.4, 0.7, 1}, {0.6, 1.4, 0.6, 1.4}, {1, 1, 1, 1, 0.5, 0.5, 1.5}}) {
+      SphOptions options = test::options_of(test::Preset::accurate, 1);
+      options.smoothing_length = ratio;
+      std::vector<double> place;
+      for (double bottom = 0; const double t : thickness) place.push_back(bottom + 0.5 * t), bottom += t;
+      for (const double share : row_shares(place, thickness, {1, 1}, options)) {
+        EXPECT_GE(share, 0.2 - 1e-12) << ratio;
+        EXPECT_LE(share, 1.8 + 1e-12) << ratio;
+      }
+    }
+}
+
 struct Pressed {
-  double stiffness = 0;  ///< stress under the plate over that of the layers' law
-  double at_floor = 0;   ///< stress of the lowest row in the bed's middle over that under the plate
+  double stiffness = 0;     ///< stress under the plate over that of the layers' law
+  double energy_error = 0;  ///< over the work of the plate
+  double at_floor = 0;      ///< stress of the lowest row in the bed's middle over that under the plate
 };
 
 /// A bed at rest under a plate that has come down by 0.05 %. Springs of floor and plate are half rows of what
@@ -145,6 +161,7 @@ Pressed press(test::Preset preset, std::initializer_list<double> depths, std::in
   ContactImpulses contact;
   double force = 0;
   const double dt = 0.5 * infill.stable_step();
+  test::EnergyLedger ledger;
   for (double t = 0; t < 25 / frequency; t += dt) {
     const double share = std::min(1.0, t * frequency / 15),
                  down = strain * height * share * share * (3 - 2 * share);
@@ -160,8 +177,10 @@ Pressed press(test::Preset preset, std::initializer_list<double> depths, std::in
       force += push;
     }
     infill.advance(dt, 1, contact);
+    ledger.enter(infill.energy());
   }
   Pressed result;
+  result.energy_error = ledger.worst / infill.energy().stored;
   const double stress = force / (width * width);
   result.stiffness = stress * compliance / (strain * height);
   const auto moments = infill.stress_moments();
@@ -181,7 +200,9 @@ TEST_P(RowShares, GiveABedBetweenHalfRowsTheStiffnessOfItsLawAndTheFloorItsStres
     RecordProperty("without_" + std::to_string(rows), testing::PrintToString(without.stiffness));
     RecordProperty("floor_" + std::to_string(rows), testing::PrintToString(with.at_floor));
     RecordProperty("floor_without_" + std::to_string(rows), testing::PrintToString(without.at_floor));
+    RecordProperty("energy_" + std::to_string(rows), testing::PrintToString(with.energy_error));
     EXPECT_NEAR(with.stiffness, 1, 0.005) << rows;
+    EXPECT_LT(with.energy_error, 1e-5) << "work is not that of the forces";
     EXPECT_NEAR(with.at_floor, 1, 0.02) << rows;
     EXPECT_GT(without.stiffness, 1 + 0.4 / rows) << rows;
     EXPECT_LT(without.at_floor, 0.7) << rows;
