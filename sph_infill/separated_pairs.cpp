@@ -81,44 +81,107 @@ bool crosses(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, const V
 
 using Pair = std::array<Index, 2>;  ///< lower index first
 
+/// Axes of a sheet and the box about its corners in them; m.
+struct SheetBox {
+  Vec3 centre, along, across, normal;
+  double half_length = 0, half_width = 0, half_warp = 0;
+
+  SheetBox(const Sheet& sheet, const Vec3& middle) : centre(middle) {
+    const Vec3 diagonal = sheet[2] - sheet[0];
+    normal = diagonal.cross(sheet[3] - sheet[1]).normalized();
+    along = sheet[1] + sheet[2] - sheet[0] - sheet[3];
+    along = (along - normal.dot(along) * normal).normalized();
+    across = normal.cross(along);
+    for (const Vec3& corner : sheet) {
+      const Vec3 from = corner - centre;
+      half_length = std::max(half_length, std::abs(along.dot(from)));
+      half_width = std::max(half_width, std::abs(across.dot(from)));
+      half_warp = std::max(half_warp, std::abs(normal.dot(from)));
+    }
+  }
+};
+
+/// Particles on one side of a sheet, in its axes; height: m from the plane it lies about, not negative.
+struct Side {
+  std::vector<double> along, across, height;
+  std::vector<Index> particle;
+
+  void clear() { along.clear(), across.clear(), height.clear(), particle.clear(); }
+  void add(double a, double b, double h, Index i) {
+    along.push_back(a), across.push_back(b), height.push_back(h), particle.push_back(i);
+  }
+};
+
 /// What one thread needs for the pairs of a sheet.
 struct Sides {
-  struct Point {
-    Vec3 position;
-    double height;  ///< m from the plane that a warped sheet lies about
-    Index particle;
-  };
-  std::vector<Point> above, below;
+  Side above, below;
+  std::vector<std::uint8_t> may_cross;
 };
+
+/// Particles that may be nearer to another across the sheet than `reach`: nearer to the sheet's box.
+void gather(const Vec3Array& positions, const Cells& cells, const SheetBox& box, double reach, Sides& sides) {
+  sides.above.clear();
+  sides.below.clear();
+  const double around = std::hypot(box.half_length, box.half_width, box.half_warp);
+  const Vec3 range = Vec3::Constant(around + reach);
+  cells.for_each_within(box.centre - range, box.centre + range, [&](Index i) {
+    const Vec3 from = positions[static_cast<std::size_t>(i)] - box.centre;
+    const double a = box.along.dot(from), b = box.across.dot(from), h = box.normal.dot(from);
+    const double beyond_a = std::max(0.0, std::abs(a) - box.half_length),
+                 beyond_b = std::max(0.0, std::abs(b) - box.half_width),
+                 beyond_h = std::max(0.0, std::abs(h) - box.half_warp);
+    if (beyond_a * beyond_a + beyond_b * beyond_b + beyond_h * beyond_h > reach * reach) return;
+    (h >= 0 ? sides.above : sides.below).add(a, b, std::abs(h), i);
+  });
+}
+
+/// For one particle above, which of those below are within reach and their line to it passes through the
+/// sheet's box: all that cross the sheet, and few others.
+void mark_crossing(const SheetBox& box, double a, double b, double h, double reach, Sides& sides) {
+  const Side& below = sides.below;
+  const std::size_t n = below.particle.size();
+  const double squared_reach = reach * reach;
+  // Rounding is to leave none out.
+  const double slack = 1e-6 * reach, length = box.half_length + slack, width = box.half_width + slack,
+               warp = box.half_warp + slack;
+  const double *ba = below.along.data(), *bb = below.across.data(), *bh = below.height.data();
+  std::uint8_t* mark = sides.may_cross.data();
+#pragma omp simd
+  for (std::size_t k = 0; k < n; ++k) {
+    const double da = ba[k] - a, db = bb[k] - b, dh = h + bh[k];
+    // Shares of the way at which the line enters and leaves the box's range of heights.
+    const double inverse = 1 / (dh + 1e-300), enter = std::max(0.0, (h - warp) * inverse),
+                 leave = std::min(1.0, (h + warp) * inverse);
+    const double a0 = a + enter * da, a1 = a + leave * da, b0 = b + enter * db, b1 = b + leave * db;
+    const bool within = da * da + db * db + dh * dh < squared_reach;
+    const bool meets = (std::min(a0, a1) <= length) & (std::max(a0, a1) >= -length) &
+                       (std::min(b0, b1) <= width) & (std::max(b0, b1) >= -width);
+    mark[k] = static_cast<std::uint8_t>(within & meets);
+  }
+}
 
 /// Adds the pairs whose line of centres crosses one sheet.
 void find_across(const Vec3Array& positions, const Cells& cells, const Sheet& given, double reach,
                  Sides& sides, std::vector<Pair>& found) {
   const Vec3 centre = 0.25 * (given[0] + given[1] + given[2] + given[3]);
   const Sheet sheet = enlarged(given, centre, edge * reach);
-  const Vec3 normal = (sheet[2] - sheet[0]).cross(sheet[3] - sheet[1]).normalized();
-  double around = 0;
-  for (const Vec3& corner : sheet) around = std::max(around, (corner - centre).norm());
-  sides.above.clear();
-  sides.below.clear();
-  const double farthest = (around + reach) * (around + reach);
-  const Vec3 range = Vec3::Constant(around + reach);
-  cells.for_each_within(centre - range, centre + range, [&](Index i) {
-    const Vec3 x = positions[static_cast<std::size_t>(i)];
-    const double height = normal.dot(x - centre);
-    if (std::abs(height) > reach || (x - centre).squaredNorm() > farthest) return;
-    (height >= 0 ? sides.above : sides.below).push_back({x, std::abs(height), i});
-  });
-  for (const auto& [a, above, i] : sides.above)
-    for (const auto& [b, below, j] : sides.below) {
-      const Vec3 line = b - a;
-      const double squared = line.squaredNorm();
-      if (above + below > reach || squared >= reach * reach) continue;
-      // A line that meets the sheet passes its centre no farther away than its corners are.
-      if ((centre - a).cross(line).squaredNorm() > around * around * squared) continue;
+  const SheetBox box(sheet, centre);
+  gather(positions, cells, box, reach, sides);
+  const Side &above = sides.above, &below = sides.below;
+  sides.may_cross.resize(below.particle.size());
+  for (std::size_t k = 0; k < above.particle.size(); ++k) {
+    mark_crossing(box, above.along[k], above.across[k], above.height[k], reach, sides);
+    const Index i = above.particle[k];
+    const Vec3 a = positions[static_cast<std::size_t>(i)];
+    for (std::size_t m = 0; m < below.particle.size(); ++m) {
+      if (!sides.may_cross[m]) continue;
+      const Index j = below.particle[m];
+      const Vec3 b = positions[static_cast<std::size_t>(j)];
+      if ((b - a).squaredNorm() >= reach * reach) continue;
       if (crosses(a, b, sheet[0], sheet[1], sheet[2]) || crosses(a, b, sheet[0], sheet[2], sheet[3]))
         found.push_back({std::min(i, j), std::max(i, j)});
     }
+  }
 }
 
 }  // namespace

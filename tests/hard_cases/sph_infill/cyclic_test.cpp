@@ -12,23 +12,42 @@ namespace {
 
 constexpr double pitch = 0.002;
 
-class CyclicLoading : public testing::TestWithParam<test::Numerics> {};
+/// half_rows: rows strain shares of their cells between springs of half a row, as beds of scenes do; else
+/// whole cells between stiff springs.
+struct Bed {
+  test::Numerics numerics;
+  bool half_rows = false;
+
+  friend void PrintTo(const Bed& bed, std::ostream* os) {
+    PrintTo(bed.numerics, os);
+    *os << (bed.half_rows ? " half rows" : "");
+  }
+};
+
+class CyclicLoading : public testing::TestWithParam<Bed> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, CyclicLoading,
-                         testing::Values(test::Numerics{test::Preset::accurate},
-                                         test::Numerics{test::Preset::accurate, 0.3, 0.05},
-                                         test::Numerics{test::Preset::fast, 0.3, 0.05},
-                                         test::Numerics{test::Preset::paper}));
+                         testing::Values(Bed{{test::Preset::accurate}},
+                                         Bed{{test::Preset::accurate, 0.3, 0.05}},
+                                         Bed{{test::Preset::fast, 0.3, 0.05}}, Bed{{test::Preset::paper}},
+                                         Bed{{test::Preset::accurate, 0.3, 0.05}, true},
+                                         Bed{{test::Preset::fast, 0.3, 0.05}, true},
+                                         Bed{{test::Preset::paper, 0.3, 0.05}, true}));
 
 /// A block between plates in a slip box, pressed by 5 % and then a hundred times between 5 % and 4 %, where
 /// it stays in contact. The law's own answer: the same stress at every peak from the first on.
 TEST_P(CyclicLoading, AHundredCyclesOfCompressionRepeatTheFirstAndKeepDensityConsistent) {
   const int width = 6, rows = 5, cycles = 100;
   const SoilFoamMaterial material = test::mixture_material();
-  const Lattice lattice = test::block(width, width, rows, pitch);
-  const SphSettings settings = test::settings_of(GetParam(), pitch, {0, 0, 0});
+  const bool half_rows = GetParam().half_rows;
+  const SphSettings settings = test::settings_of(GetParam().numerics, pitch, {0, 0, 0});
+  Turf turf;
+  turf.layers = {{0, rows * pitch}};
+  const Lattice lattice = half_rows ? make_bed(turf, {{width * pitch, width * pitch}, 0}, settings.options)
+                                    : test::block(width, width, rows, pitch);
   SphInfill infill(lattice, test::single_material(material), settings);
   const std::size_t n = lattice.position.size();
-  const double stiffness = 10 * constrained_modulus(material, 1e5) * pitch, height = rows * pitch;
+  const double stiffness = (half_rows ? 2 : 10) * constrained_modulus(material, 1e5) * pitch,
+               height = rows * pitch;
   const test::Tray tray(width * pitch, width * pitch, stiffness, 0.1);
   const double period = 3e-3;  // ten passages of a wave through the block and back
   const auto press_at = [&](double t) {
@@ -87,9 +106,10 @@ TEST_P(CyclicLoading, AHundredCyclesOfCompressionRepeatTheFirstAndKeepDensityCon
   RecordProperty("density_drift", testing::PrintToString(drift));
   RecordProperty("energy_error", testing::PrintToString(ledger.worst / work));
   EXPECT_NEAR(peak[cycles - 1] / peak[1], 1, 0.01);
-  // Rows between contact planes are stiffer than their height is: statics.h, pressed_block.
-  EXPECT_NEAR(peak[0] / stress, 1.3, 0.2);
-  EXPECT_LT(creep, 0.02);
+  // Whole cells between contact planes are stiffer than their height is: statics.h, pressed_block.
+  EXPECT_NEAR(peak[0] / stress, half_rows ? 1.0 : 1.3, half_rows ? 0.1 : 0.2);
+  // Of `accurate` between half rows one particle moves by 0.029 pitches, by 0.050 in 400 cycles.
+  EXPECT_LT(creep, half_rows ? 0.04 : 0.02);
   EXPECT_LT(drift, 0.01);
   EXPECT_LT(ledger.worst, 0.01 * work);
 }

@@ -43,5 +43,22 @@ TEST_P(PressureWave, IsReflectedByAWallAndByAFreeEndWithTheRightSignAndAmplitude
   EXPECT_LT(r.energy_error, 1e-3);
 }
 
+/// The same where rows strain shares of their cells and the wall is a spring of half a row, as in a scene.
+TEST_P(PressureWave, IsReflectedSoByAWallThatIsASpringOfHalfARow) {
+  const test::PulseResult r = test::reflected_pulse({GetParam(), no_viscosity}, {120, 0.12, true}, 0.07);
+  RecordProperty("wall_velocity", testing::PrintToString(r.wall_velocity));
+  RecordProperty("wall_stress", testing::PrintToString(r.wall_stress));
+  RecordProperty("free_velocity", testing::PrintToString(r.free_velocity));
+  RecordProperty("free_stress", testing::PrintToString(r.free_stress));
+  RecordProperty("wall_force", testing::PrintToString(r.wall_force));
+  RecordProperty("energy_error", testing::PrintToString(r.energy_error));
+  EXPECT_NEAR(r.wall_velocity, -1, 0.02);
+  EXPECT_NEAR(r.wall_stress, 1, 0.02);
+  EXPECT_NEAR(r.free_velocity, 1, GetParam() == test::Preset::paper ? 0.08 : 0.02);
+  EXPECT_NEAR(r.free_stress, -1, 0.02);
+  EXPECT_NEAR(r.wall_force, 2, 0.05);
+  EXPECT_LT(r.energy_error, 1e-3);
+}
+
 }  // namespace
 }  // namespace tuft::sph

@@ -10,6 +10,13 @@ constexpr double modulus = bulk * (1 + 4.0 / 3 * shear_ratio);
 constexpr int width = 5;
 const double theory = std::sqrt(modulus / density);
 
+Lattice bar_lattice(const Numerics& numerics, const BarSizes& sizes, double pitch) {
+  if (!sizes.half_row) return block(width, width, sizes.rows, pitch);
+  Turf turf;
+  turf.layers = {{0, sizes.length}};
+  return make_bed(turf, {{width * pitch, width * pitch}, 0}, settings_of(numerics, pitch, {0, 0, 0}).options);
+}
+
 struct Bar {
   double pitch;
   Lattice lattice;
@@ -20,7 +27,7 @@ struct Bar {
 
   Bar(const Numerics& numerics, const BarSizes& sizes)
       : pitch(sizes.length / sizes.rows),
-        lattice(block(width, width, sizes.rows, pitch)),
+        lattice(bar_lattice(numerics, sizes, pitch)),
         infill(lattice, single_material(elastic_material(bulk, density, shear_ratio)),
                settings_of(numerics, pitch, {0, 0, 0})),
         roller(200 * modulus * pitch),
@@ -94,13 +101,18 @@ PulseResult reflected_pulse(const Numerics& numerics, const BarSizes& sizes, dou
     // Towards the wall: it meets it as compression, and the free end as tension.
     bar.infill.set_velocity(i, {0, 0, -speed * std::exp(-0.5 * x * x)});
   }
-  const PenaltyPlane wall{{0, 0, 0}, {0, 0, 1}, bar.roller, 0};
+  const double wall = sizes.half_row ? 2 * modulus * bar.pitch : bar.roller;  // N/m
+  std::vector<double> on_wall;                                                // Pa
   // A particle that touches the wall is held in place as a wall's own material would hold it: both ways.
   const auto push_wall = [&] {
     const ParticleView p = bar.infill.particles();
-    for (std::size_t i = 0; i < p.size(); ++i)
-      if (bar.lattice.position.z[i] < bar.pitch)
-        bar.contact.linear.add(i, {0, 0, -bar.dt * wall.stiffness * (p.z[i] - bar.lattice.position.z[i])});
+    double force = 0;
+    for (const std::size_t i : bar.members[0]) {
+      const double pull = wall * (p.z[i] - bar.lattice.position.z[i]);
+      bar.contact.linear.add(i, {0, 0, -bar.dt * pull});
+      force += pull;
+    }
+    on_wall.push_back(force / (width * width * bar.pitch * bar.pitch));
   };
   const int rows = sizes.rows, near_wall = rows / 4, near_free = rows - 1 - rows / 4;
   const std::array<int, 4> stations{rows / 8, 3 * rows / 8, near_wall, near_free};
@@ -117,8 +129,8 @@ PulseResult reflected_pulse(const Numerics& numerics, const BarSizes& sizes, dou
       velocity[s].push_back(bar.of_row(stations[s], bar.infill.particles().vz));
       stress[s].push_back(bar.of_row(stations[s], sigma));
     }
-    // On the plane between the second and the third row: the outermost carries half the stress, see
-    // statics.h.
+    // On the plane between the second and the third row: without shares the outermost carries half the
+    // stress, see statics.h.
     at_wall.push_back(0.5 * (bar.of_row(1, sigma) + bar.of_row(2, sigma)));
   }
 
@@ -139,6 +151,7 @@ PulseResult reflected_pulse(const Numerics& numerics, const BarSizes& sizes, dou
   result.wall_stress = after(stress[2]).value / in_stress;
   result.free_stress = after(stress[3]).value / out_stress;
   result.doubled_stress = peak_of(at_wall, dt, 0, crossing).value / in_stress;
+  result.wall_force = peak_of(on_wall, dt, 0, crossing).value / in_stress;
   result.energy_error = ledger.worst / ledger.first;
   return result;
 }

@@ -5,8 +5,9 @@
 namespace tuft::sph::test {
 
 struct BarSizes {
-  int rows = 60;         ///< particles along the bar; 5 x 5 across
-  double length = 0.12;  ///< m
+  int rows = 60;          ///< particles along the bar; 5 x 5 across
+  double length = 0.12;   ///< m
+  bool half_row = false;  ///< as beds of scenes are: rows have shares, the wall is a spring of half a row
 };
 
 struct ModeResult {
@@ -25,6 +26,7 @@ struct PulseResult {
   double wall_stress = 0;     ///< stress likewise: +1
   double free_stress = 0;     ///< -1
   double doubled_stress = 0;  ///< largest stress near the wall over the incident peak: 2
+  double wall_force = 0;      ///< largest force on the wall over its area and the incident peak of stress: 2
   double energy_error = 0;    ///< over the energy put in
 };
 
