@@ -1,12 +1,11 @@
 #pragma once
 /// The turf of inputs/clegg_small.toml, coarsened further so that a drop takes seconds.
-#include <unistd.h>
-
 #include <filesystem>
 #include <string>
 
 #include "core/scene_reader.h"
 #include "rigs/run.h"
+#include "tests/unit/core/scratch_folder.h"
 
 namespace tuft::rigs {
 
@@ -22,10 +21,19 @@ inline Scene coarse_scene(const Overrides& more = {}) {
   return read_scene("inputs/clegg_small.toml", overrides);
 }
 
-/// A folder of its own under the temporary folder, emptied.
+/// Where this program's tests run, removed when it ends.
+inline const std::filesystem::path& scratch_root() {
+  static const test::ScratchFolder folder;
+  return folder.path();
+}
+
+inline std::filesystem::path scratch_folder(const std::string& name) {
+  return scratch_root() / name;
+}
+
+/// A folder of its own, emptied.
 inline std::filesystem::path fresh_folder(const std::string& name) {
-  std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
+  std::filesystem::path folder = scratch_folder(name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

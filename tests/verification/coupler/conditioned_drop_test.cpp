@@ -25,15 +25,11 @@ Overrides conditioned(const Overrides& more = {}) {
   return overrides;
 }
 
-std::filesystem::path folder_of(const std::string& name) {
-  return std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
-}
-
 RunSummary run_scene(const std::string& name, const Overrides& overrides, int stop_after = 0,
                      bool resume = false) {
   RunRequest request;
   request.scene = coarse_scene(overrides);
-  request.folder = resume ? folder_of(name) : fresh_folder(name);
+  request.folder = resume ? scratch_folder(name) : fresh_folder(name);
   request.stop_after_checkpoints = stop_after;
   request.resume = resume;
   RunSummary summary = run(request);
@@ -42,7 +38,7 @@ RunSummary run_scene(const std::string& name, const Overrides& overrides, int st
 }
 
 std::vector<double> column(const std::string& name, const char* group, const char* what) {
-  return h5::File::open(folder_of(name) / "run.h5").root().open_group(group).read_doubles(what);
+  return h5::File::open(scratch_folder(name) / "run.h5").root().open_group(group).read_doubles(what);
 }
 
 TEST(Conditioning, PressesTheBedByTheDepthAskedForAndKeepsTheLedgerAcrossTheSwitch) {
@@ -60,8 +56,8 @@ TEST(Conditioning, PressesTheBedByTheDepthAskedForAndKeepsTheLedgerAcrossTheSwit
   EXPECT_GT(note("depth_lifted"), 0.0435);
   EXPECT_LT(note("depth_lifted"), note("depth_placed") - 0.003);
   EXPECT_LT(note("sphere_overlap_largest"), 0.05);
-  // The surface is where tops of spheres stand, not where their volumes would end: 0.952 of it with a standard
-  // deviation of 0.007, over ten placings of this bed.
+  // The surface is where tops of spheres stand, not where their volumes would end: 0.952 of it with a
+  // standard deviation of 0.007, over ten placings of this bed.
   EXPECT_NEAR(note("depth_of_volumes") / note("depth_at_switch"), 0.952, 0.03);
   EXPECT_GE(note("energy_let_go"), 0);
   EXPECT_GT(s.cost.at("conditioning"), 0);
@@ -99,7 +95,7 @@ TEST(Conditioning, GivesTheSameBitsWithOneAndTwoThreads) {
 
 TEST(Conditioning, FramesGoOnFromSpheresToTheContinuumWithAsManyParticles) {
   run_scene("frames", conditioned({{"conditioning.frames", "2 ms"}}));
-  const h5::File file = h5::File::open(folder_of("frames") / "run.h5");
+  const h5::File file = h5::File::open(scratch_folder("frames") / "run.h5");
   const h5::Group frames = file.root().open_group("frames");
   const std::size_t rows = frames.read_doubles("time").size();
   const h5::Group infill = frames.open_group("infill");

@@ -60,9 +60,7 @@ TEST_P(GrainRest, NothingFallsOnceDragIsTakenAway) {
                                                             {"scene.duration", "4 ms"},
                                                             {"output.frames", "1 ms"}})));
   ASSERT_EQ(s.status, "completed") << s.error;
-  const h5::File file =
-      h5::File::open(std::filesystem::temp_directory_path() /
-                     ("tuft-test-" + std::to_string(::getpid()) + "-rest-released") / "run.h5");
+  const h5::File file = h5::File::open(scratch_folder("rest-released") / "run.h5");
   const std::vector<double> velocity =
       file.root().open_group("frames").open_group("infill").read_doubles("velocity");
   const std::size_t grains = s.particles;

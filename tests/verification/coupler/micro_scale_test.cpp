@@ -118,8 +118,7 @@ TEST_P(MicroScaleOfRuns, HoldsTheMassOfTheInfillAndItsContactsByKind) {
 TEST_P(MicroScaleOfRuns, IsFoundByRunXdmf) {
   const std::string approach = GetParam();
   const h5::Group root = recorded(approach + "-xdmf", with(of(approach, {}), looking));
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() /
-                                       ("tuft-test-" + std::to_string(::getpid()) + "-" + approach + "-xdmf");
+  const std::filesystem::path folder = scratch_folder(approach + "-xdmf");
   std::ifstream file(folder / "run.xdmf");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const auto numbers = [](const std::string& words) {

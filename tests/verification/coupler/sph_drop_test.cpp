@@ -18,12 +18,8 @@ RunSummary drop(const std::string& name, const Overrides& overrides, int stop_af
   return summary;
 }
 
-std::filesystem::path folder_of(const std::string& name) {
-  return std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-" + name);
-}
-
 std::vector<double> history(const std::string& name, const char* column) {
-  return h5::File::open(folder_of(name) / "run.h5").root().open_group("history").read_doubles(column);
+  return h5::File::open(scratch_folder(name) / "run.h5").root().open_group("history").read_doubles(column);
 }
 
 TEST(SphDrop, IsAPulseWithEnergyAndMomentumInBalance) {
@@ -48,7 +44,7 @@ TEST(SphDrop, IsAPulseWithEnergyAndMomentumInBalance) {
 /// A frame's values of the infill, `components` a particle.
 std::vector<double> infill_at(const std::string& name, const char* field, double time,
                               std::size_t components) {
-  const h5::Group frames = h5::File::open(folder_of(name) / "run.h5").root().open_group("frames");
+  const h5::Group frames = h5::File::open(scratch_folder(name) / "run.h5").root().open_group("frames");
   const std::vector<double> times = frames.read_doubles("time"),
                             values = frames.open_group("infill").read_doubles(field);
   const std::size_t size = values.size() / times.size();
@@ -152,7 +148,7 @@ const Overrides individual_steps{
 
 /// Of energy, by entry of the ledger.
 std::vector<double> error_of(const std::string& name) {
-  return h5::File::open(folder_of(name) / "run.h5").root().open_group("energy").read_doubles("error");
+  return h5::File::open(scratch_folder(name) / "run.h5").root().open_group("energy").read_doubles("error");
 }
 
 /// Root mean square of second differences.
@@ -211,7 +207,7 @@ TEST(SphDrop, WithIndividualStepsGivesTheSameBitsOnOneThreadAndResumed) {
   ASSERT_EQ(drop("own-resumed", with("2"), 2).status, "stopped");
   RunRequest request;
   request.scene = coarse_scene(with("2"));
-  request.folder = folder_of("own-resumed");
+  request.folder = scratch_folder("own-resumed");
   request.resume = true;
   ASSERT_EQ(run(request).status, "completed");
   for (const char* column : {"time", "velocity", "acceleration"}) {
@@ -229,7 +225,7 @@ TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
   ASSERT_LT(stopped.simulated_time, 0.008);
   RunRequest request;
   request.scene = coarse_scene(often);
-  request.folder = folder_of("resumed");
+  request.folder = scratch_folder("resumed");
   request.resume = true;
   const RunSummary resumed = run(request);
   ASSERT_EQ(resumed.status, "completed") << resumed.error;
