@@ -21,7 +21,7 @@ struct PackingReport {
 [[nodiscard]] PackingReport packing_report_of(std::span<const double> numbers);
 
 /// Three stages: strong drag, in which what overlaps still parts slowly; several g with light drag, until
-/// nearly all that weighs is borne; 1 g with light drag, until the grains are at rest by
+/// nearly all that weighs is borne; 1 g with strong drag, until the grains are at rest by
 /// options.rest_tolerance. At least options.settle_time, at most options.settle_time_limit (whichever is
 /// longer). `report` gets the share of that limit that is done. `moved` of the result is left at 0.
 PackingReport come_to_rest(Simulation& simulation, const DemOptions& options,
