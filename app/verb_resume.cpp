@@ -12,7 +12,7 @@ namespace tuft::app {
 namespace {
 
 struct ResumeArguments {
-  std::string folder;
+  std::string folder, host;
   int threads = -1;
   int stop_after_checkpoints = 0;
 };
@@ -27,15 +27,25 @@ int resume(const ResumeArguments& arguments) {
   rigs::RunRequest request;
   request.folder = arguments.folder;
   request.resume = true;
-  request.scene = rigs::read_run_scene(request.folder);
+  Overrides another;
+  if (!arguments.host.empty()) another.push_back({"infill.dem.host", fmt::format("\"{}\"", arguments.host)});
+  request.scene = rigs::read_run_scene(request.folder, another);
+  if (!arguments.host.empty() && request.scene.infill.approach != Approach::dem)
+    throw_input_error("--host {}: {} has no grains, and needs no host; leave it out", arguments.host,
+                      arguments.folder);
   if (already_completed(request.folder)) {
     fmt::print("{}: completed already, nothing to resume\n", arguments.folder);
     return 0;
   }
   std::error_code ignored;
-  if (!std::filesystem::exists(request.folder / "checkpoint.h5", ignored))
-    throw_input_error("{}: no checkpoint to resume from; run the scene again with another --out",
-                      arguments.folder);
+  if (!std::filesystem::exists(request.folder / "checkpoint.h5", ignored)) {
+    // What has been recorded without a checkpoint is not written over.
+    if (std::filesystem::exists(request.folder / "run.h5", ignored))
+      throw_input_error("{}: no checkpoint to resume from; run the scene again with another --out",
+                        arguments.folder);
+    fmt::print("{}: ended before anything was recorded; it starts from the beginning\n", arguments.folder);
+    request.resume = false;
+  }
   if (arguments.threads >= 0) request.scene.numerics.threads = arguments.threads;
   request.stop_after_checkpoints = arguments.stop_after_checkpoints;
   const std::atomic<bool>& stop = catch_stop_signals();
@@ -57,6 +67,10 @@ void register_resume(CLI::App& program, Action& action) {
   verb->add_option("DIR", arguments->folder, "folder of the run")->required();
   verb->add_option("--threads", arguments->threads, "number of threads; 0: all cores")
       ->check(CLI::NonNegativeNumber);
+  verb->add_option(
+          "--host", arguments->host,
+          "another host of the grains: path of a liggghts_host, or tcp://MACHINE:PORT of one that listens")
+      ->type_name("HOST");
   verb->add_option("--stop-after-checkpoints", arguments->stop_after_checkpoints,
                    "stop again after this many checkpoints")
       ->check(CLI::PositiveNumber);

@@ -69,6 +69,7 @@ class ComponentRunner {
     record_.emplace(create_tension_record(file("run.h5"), request_.scene, TUFT_VERSION));
     start_test();
     enter_row();
+    checkpoint();  // whatever ends it from here on, it goes on
   }
 
   void go() {

@@ -145,9 +145,12 @@ class Runner {
     // Contact with strands has not been looked for yet.
     if (state_.index == 0 && state_.bed_placed && state_.packing)
       state_.bed_placed->rest = state_.packing->rest;
-    if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
-    int checkpoints = 0;
     count_steps();
+    if (state_.index == 0) {
+      recorder_->record_frame(schedule.time(0), simulation);
+      if (schedule.checkpoint_every > 0) checkpoint();  // whatever ends it from here on, it goes on
+    }
+    int checkpoints = 0;
     while (state_.index < schedule.end) {
       if (state_.compaction && state_.index <= schedule.conditioned()) condition();
       if (state_.index == schedule.release()) {

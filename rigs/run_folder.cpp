@@ -62,7 +62,7 @@ void prepare_run_folder(const std::filesystem::path& folder, const Scene& scene)
   write_text_file(folder / "scene.toml", write_scene(scene));
 }
 
-Scene read_run_scene(const std::filesystem::path& folder) {
+Scene read_run_scene(const std::filesystem::path& folder, const Overrides& overrides) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) {
     throw_input_error("{}: not the folder of a run: there is no such folder", folder.string());
@@ -72,7 +72,7 @@ Scene read_run_scene(const std::filesystem::path& folder) {
         "{}: not the folder of a run: it holds no scene.toml; give a folder that `tuft run` wrote",
         folder.string());
   }
-  return read_scene(folder / "scene.toml");
+  return read_scene(folder / "scene.toml", overrides);
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/scene.h"
+#include "core/scene_reader.h"
 
 namespace tuft::rigs {
 
@@ -15,7 +15,7 @@ void check_run_folder(const std::filesystem::path& folder);
 void prepare_run_folder(const std::filesystem::path& folder, const Scene& scene);
 
 /// The scene of an existing run, from its `scene.toml`. Throws InputError when there is none.
-[[nodiscard]] Scene read_run_scene(const std::filesystem::path& folder);
+[[nodiscard]] Scene read_run_scene(const std::filesystem::path& folder, const Overrides& overrides = {});
 
 /// Writes a text file. Throws RunError naming the file and the reason when it cannot be written whole.
 void write_text_file(const std::filesystem::path& path, const std::string& text);

@@ -120,6 +120,7 @@ class SpecimenRunner {
                                                 TUFT_VERSION, columns(), {},
                                                 coupler::micro_settings(request_.scene)));
     recorder_->record_frame(time(), *simulation_);
+    checkpoint();  // whatever ends it from here on, it goes on
   }
 
   void go() {

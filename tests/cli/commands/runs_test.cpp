@@ -132,13 +132,51 @@ TEST(Run, WhoseDiskIsFullFailsAndStaysReadable) {
   EXPECT_EQ(run_tuft({"report", place.path("run")}).exit_code, 0);
 }
 
+/// A small drop on grains, packed anew.
+std::vector<std::string> grain_run(const std::string& folder, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"--infill", "dem",
+                                 "--set",    "infill.dem.material_coarse_graining={ sbr = 7.0, sand = 9.0 }",
+                                 "--set",    "infill.dem.use_cache=false",
+                                 "--set",    "infill.dem.settle_time=1 ms"};
+  words.insert(words.end(), more.begin(), more.end());
+  return tiny_run(folder, words);
+}
+
+/// Its scene is there from the start, long before anything is recorded.
+TEST(Run, WhoseHostIsKilledWhilePackingStartsAnewWhenResumed) {
+  const Workplace place;
+  const std::string folder = place.path("run");
+  expect_failed_run(run_tuft(grain_run(folder), {.kill_host_at = place.path("run/log.txt")}),
+                    {"liggghts_host", "signal"});
+  EXPECT_FALSE(std::filesystem::exists(place.path("run/run.h5")));
+  const Outcome resumed = run_tuft({"resume", folder});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.error;
+  EXPECT_NE(resumed.out.find("starts from the beginning"), std::string::npos);
+  EXPECT_EQ(summary_in(folder)["status"], "completed");
+}
+
+TEST(Run, IsResumedWithAnotherHostWhereOneIsNamed) {
+  const Workplace place;
+  const std::string folder = place.path("run");
+  const Outcome stopped = run_tuft(grain_run(folder, {"--stop-after-checkpoints", "1"}));
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.error;
+  expect_bad_input(run_tuft({"resume", folder, "--host", "tcp://nowhere"}),
+                   {"infill.dem.host", "tcp://nowhere"});
+  expect_failed_run(run_tuft({"resume", folder, "--host", "/no/such/host"}), {"/no/such/host"});
+  const Outcome resumed = run_tuft({"resume", folder});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+}
+
+TEST(Run, OnAContinuumIsNotResumedWithAHost) {
+  const Workplace place;
+  ASSERT_EQ(run_tuft(tiny_run(place.path("run"), {"--stop-after-checkpoints", "1"})).exit_code, 0);
+  expect_bad_input(run_tuft({"resume", place.path("run"), "--host", "/bin/false"}), {"--host", "no grains"});
+}
+
 TEST(Run, WhoseHostIsKilledFailsKeepsItsRecordsAndGoesOnWhenResumed) {
   const Workplace place;
   const std::string folder = place.path("run");
-  const std::vector<std::string> words = tiny_run(
-      folder, {"--infill", "dem", "--set", "infill.dem.material_coarse_graining={ sbr = 7.0, sand = 9.0 }",
-               "--set", "infill.dem.use_cache=false", "--set", "infill.dem.settle_time=1 ms", "--set",
-               "scene.duration=12 ms"});
+  const std::vector<std::string> words = grain_run(folder, {"--set", "scene.duration=12 ms"});
   const Outcome outcome = run_tuft(words, {.kill_host_at = place.path("run/checkpoint.h5")});
   expect_failed_run(outcome, {"liggghts_host", "signal"});
   EXPECT_EQ(summary_in(folder)["status"], "failed");
