@@ -1,7 +1,8 @@
 /// LIGGGHTS behind the wire. Answers one request at a time until told to quit or until the driver is gone.
 ///   liggghts_host --driver PROCESS --socket PATH   started by tuft; given the shared memory at the socket;
 ///                                                  under mpirun each rank has its own connection
-///   liggghts_host --listen tcp://*:PORT [--once]   started by hand, for drivers on other machines
+///   liggghts_host --listen tcp://*:PORT [--once] [--frozen-after SECONDS]
+///                                                  started by hand, for drivers on other machines
 ///   liggghts_host --serve tcp://*:PORT PROCESS     started by --listen, process PROCESS, for one driver
 #include <mpi.h>
 #include <poll.h>
@@ -15,6 +16,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -77,14 +79,36 @@ int run(const std::string& path) {
   return EXIT_SUCCESS;
 }
 
+struct Listening {
+  std::string endpoint;
+  bool once = false;
+  double frozen_after = 60;  ///< s
+};
+
+/// What --listen was asked for; empty where these are not its words.
+std::optional<Listening> listening(const std::vector<std::string>& words) {
+  if (words.size() < 2 || words[0] != "--listen") return std::nullopt;
+  Listening asked{words[1]};
+  for (std::size_t k = 2; k < words.size(); ++k) {
+    if (words[k] == "--once") {
+      asked.once = true;
+    } else if (words[k] == "--frozen-after" && k + 1 < words.size()) {
+      asked.frozen_after = std::strtod(words[++k].c_str(), nullptr);
+      if (!(asked.frozen_after >= 1)) return std::nullopt;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return asked;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   const std::string mode = words.empty() ? "" : words[0];
-  const bool once = words.size() == 3 && words[2] == "--once";
-  if (mode == "--listen" && (words.size() == 2 || once)) try {
-      return listen_for_drivers(words[1], once);
+  if (const auto asked = listening(words)) try {
+      return listen_for_drivers(asked->endpoint, asked->once, asked->frozen_after);
     } catch (const std::exception& error) {
       std::cerr << "ERROR: " << error.what() << '\n';
       return EXIT_FAILURE;
@@ -92,7 +116,7 @@ int main(int count, char** arguments) {
   const bool serves = mode == "--serve" && words.size() == 3;
   if (!serves && !(mode == "--driver" && words.size() == 4 && words[2] == "--socket")) {
     std::cerr << "liggghts_host is started by tuft; by hand for another machine: liggghts_host --listen "
-                 "tcp://*:PORT [--once]\n";
+                 "tcp://*:PORT [--once] [--frozen-after SECONDS]\n";
     return 2;
   }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);

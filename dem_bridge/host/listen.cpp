@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -30,6 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* served = "served";  // a file that a host makes in its folder when a driver has come
+constexpr const char* alive = "alive";    // one whose time it renews as long as it runs
 
 /// One life of LIGGGHTS for one driver.
 class Session {
@@ -173,6 +175,14 @@ Session* current = nullptr;
 }  // namespace
 
 int serve_one_driver(const std::string& endpoint) {
+  std::ofstream{alive};
+  std::thread([] {
+    while (true) {
+      std::error_code ignored;
+      fs::last_write_time(alive, fs::file_time_type::clock::now(), ignored);
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+  }).detach();
   // Never destroyed: LIGGGHTS cannot be taken apart in the middle of an error.
   current = new Session(endpoint);
   std::atexit([] { current->say_last_words(); });
@@ -188,13 +198,31 @@ struct Life {
   bool in_vain = false;  ///< it failed soon after its start, before a driver had come: so may the next
 };
 
-Life live(const std::string& program, const std::string& endpoint) {
+/// Waits for the end of a host; false when it has not run for `frozen_after` (s), stopped as a whole: what
+/// LIGGGHTS is at does not matter. (By a clock that stands still while the machine sleeps.)
+bool ended_by_itself(HostProcess& host, const fs::path& folder, double frozen_after) {
+  using Clock = std::chrono::steady_clock;
+  auto seen = Clock::now();
+  fs::file_time_type last{};
+  while (!host.wait(std::min(1.0, 0.1 * frozen_after))) {
+    std::error_code none_yet;
+    const fs::file_time_type now = fs::last_write_time(folder / alive, none_yet);
+    if (!none_yet && now != last) last = now, seen = Clock::now();
+    if (std::chrono::duration<double>(Clock::now() - seen).count() > frozen_after) return false;
+  }
+  return true;
+}
+
+Life live(const std::string& program, const std::string& endpoint, double frozen_after) {
   constexpr std::chrono::seconds soon{10};
   const ScratchFolder folder;
   const fs::path log = folder.path() / "host.log";
   const auto start = std::chrono::steady_clock::now();
   HostProcess host({program, "--serve", endpoint, std::to_string(::getpid())}, log, folder.path());
-  while (!host.wait(3600)) {
+  if (!ended_by_itself(host, folder.path(), frozen_after)) {
+    host.kill();
+    host.wait(10);
+    return {host.ending(), fmt::format(": it had been frozen for {:g} s and was ended", frozen_after)};
   }
   std::ostringstream said;
   said << std::ifstream(log).rdbuf();
@@ -206,13 +234,13 @@ Life live(const std::string& program, const std::string& endpoint) {
 
 }  // namespace
 
-int listen_for_drivers(const std::string& endpoint, bool once) {
+int listen_for_drivers(const std::string& endpoint, bool once, double frozen_after) {
   constexpr int tries = 5;
   const std::string program = fs::read_symlink("/proc/self/exe").string();
   std::cout << "liggghts_host listens at " << endpoint << "; whoever can reach it can run commands as "
             << "this user, so let only trusted machines" << std::endl;
   for (int in_vain = 0;;) {
-    const Life life = live(program, endpoint);
+    const Life life = live(program, endpoint, frozen_after);
     std::cout << "a run's host ended with " << life.ending << life.words << std::endl;
     if (life.ending == "exit code " + std::to_string(cannot_listen)) return EXIT_FAILURE;
     if (once) return life.ending == "exit code 0" ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -7,6 +7,7 @@
 
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "core/error.h"
 #include "dem_bridge/host_process.h"
@@ -40,16 +41,19 @@ class Network : public Traces {
     settings_.rolling_resistance = true;
     settings_.options.answer_timeout = 30;
   }
-  void listen() {
+  void listen(const std::vector<std::string>& options = {}) {
     const std::string program = find_host("").string();
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     for (const int output : {1, 2})
       ::posix_spawn_file_actions_addopen(&actions, output, (folder() / "listener.log").c_str(),
                                          O_WRONLY | O_CREAT | O_APPEND, 0600);
-    std::string words[] = {program, "--listen", endpoint_};
-    char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
-    ASSERT_EQ(::posix_spawn(&listener_, program.c_str(), &actions, nullptr, arguments, ::environ), 0);
+    std::vector<std::string> words{program, "--listen", endpoint_};
+    words.insert(words.end(), options.begin(), options.end());
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ASSERT_EQ(::posix_spawn(&listener_, program.c_str(), &actions, nullptr, arguments.data(), ::environ), 0);
     ::posix_spawn_file_actions_destroy(&actions);
   }
   [[nodiscard]] int server() const {
@@ -198,6 +202,27 @@ TEST_F(Network, AHostThatHangsOrIsNotThereIsReportedAfterTheTimeout) {
   EXPECT_NE(message.find(endpoint_), std::string::npos) << message;
   ::kill(host, SIGCONT);
   EXPECT_TRUE(gone_within(host, 5.0)) << "a host whose driver has hung up ends";
+}
+
+/// Not even its watch on the driver runs then.
+TEST_F(Network, AHostThatStaysFrozenIsEndedAndTheNextDriverServed) {
+  listen({"--frozen-after", "2"});
+  settings_.options.answer_timeout = 1;
+  int host = 0;
+  {
+    const auto infill = remote();
+    advance(*infill, 1);
+    host = server();
+    ::kill(host, SIGSTOP);
+    EXPECT_NE(message_of<RunError>([&] { advance(*infill, 1); }), "");
+  }
+  EXPECT_TRUE(gone_within(host, 10.0)) << "it is still there";
+  settings_.options.answer_timeout = 30;
+  const auto next = remote();
+  advance(*next, 1);
+  std::stringstream said;
+  said << std::ifstream(folder() / "listener.log").rdbuf();
+  EXPECT_NE(said.str().find("frozen for 2 s and was ended"), std::string::npos) << said.str();
 }
 
 TEST_F(Network, AnErrorOfLiggghtsComesWithItsWords) {
