@@ -38,7 +38,8 @@ inline constexpr Range any{};
 inline constexpr Range positive{0, unbounded, true, false};
 inline constexpr Range non_negative{0, unbounded, false, false};
 inline constexpr Range at_least_one{1, unbounded, false, false};
-inline constexpr Range share{0, 1, true, false};  ///< (0, 1]
+inline constexpr Range share{0, 1, true, false};       ///< (0, 1]
+inline constexpr Range liggghts_restitution{0.05, 1};  ///< LIGGGHTS takes no other
 
 struct Key {
   std::string_view name, meaning;

@@ -88,7 +88,7 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
         inside.materials(required("materials", "the two grain materials"), pair.materials);
         inside.optional_number({"friction", "sliding friction; left out: mean"}, pair.friction, non_negative);
         inside.optional_number({"restitution", "coefficient of restitution; left out: mean"},
-                               pair.restitution, share);
+                               pair.restitution, liggghts_restitution);
         inside.optional_number({"rolling_friction", "of the rolling resistance; left out: mean"},
                                pair.rolling_friction, non_negative);
         inside.optional_quantity(

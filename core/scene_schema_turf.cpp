@@ -178,7 +178,7 @@ void describe_grain(KeyVisitor& keys, GrainMaterial& grain) {
   keys.quantity(required("density", "density of the solid"), grain.density, "kg/m^3", positive);
   keys.quantity(required("young_modulus", "Young's modulus"), grain.young_modulus, "Pa", positive);
   keys.number(required("poisson_ratio", "Poisson's ratio"), grain.poisson_ratio, {0, 0.5, true, true});
-  keys.number(required("restitution", "coefficient of restitution"), grain.restitution, share);
+  keys.number(required("restitution", "coefficient of restitution"), grain.restitution, liggghts_restitution);
   keys.number(required("friction", "sliding friction with its own kind"), grain.friction, non_negative);
   keys.number({"rolling_friction", "coefficient of the rolling resistance"}, grain.rolling_friction,
               non_negative);

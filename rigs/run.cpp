@@ -371,6 +371,8 @@ void Runner::measure() {
   if (const Expelled expelled = infill.expelled(); expelled.particles > 0) {
     notes["expelled_particles"] = {static_cast<double>(expelled.particles), "1"};
     notes["expelled_mass"] = {expelled.mass, "kg"};
+    notes["expelled_momentum_x"] = {expelled.momentum.x(), "kg m/s"};
+    notes["expelled_momentum_y"] = {expelled.momentum.y(), "kg m/s"};
     notes["expelled_momentum_z"] = {expelled.momentum.z(), "kg m/s"};
     notes["expelled_kinetic_energy"] = {expelled.kinetic_energy, "J"};
   }
