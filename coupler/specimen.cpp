@@ -54,14 +54,13 @@ dem::Grains packed_grains(const Scene& scene, const std::vector<EffectDecision>&
 }
 
 dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
-                           const SpecimenRoom& room, const SpecimenStrand* strand) {
+                           const SpecimenRoom& room, const SpecimenStrand* strand, PackingReport& report) {
   const PackingCache cache(
       scene, effects,
       fmt::format("{} {:.17g} x {:.17g} x {:.17g} m{}", room.round ? "ring" : "box", room.size[0],
                   room.size[1], room.height, strand != nullptr ? strand->description() : ""));
   Specimen loose;
   loose.room = room;
-  PackingReport report;
   if (cache.load(loose.grains, report)) return loose.grains;
   loose.grains = packed_grains(scene, effects, room, strand);
   Scene still = scene;
@@ -149,7 +148,7 @@ Specimen fill_room(const Scene& scene, const std::vector<EffectDecision>& effect
     specimen.top = room.height + specimen.reach;
     return specimen;
   }
-  specimen.grains = settled_grains(scene, effects, room, strand);
+  specimen.grains = settled_grains(scene, effects, room, strand, specimen.packing.emplace());
   for (std::size_t i = 0; i < specimen.grains.size(); ++i)
     specimen.top = std::max(specimen.top, specimen.grains.position.z[i] + specimen.grains.radius[i]);
   return specimen;

@@ -1,10 +1,12 @@
 #pragma once
 /// Infill that fills a rig's room, of either approach: rigs ask for a room and get what stands in it.
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene.h"
+#include "coupler/coming_to_rest.h"
 #include "coupler/simulation.h"
 #include "dem_bridge/dem_infill.h"
 #include "fe_carpet/carpet.h"
@@ -35,8 +37,9 @@ struct SpecimenStrand {
 /// A lattice of the continuum, or grains at rest.
 struct Specimen {
   SpecimenRoom room;
-  sph::Lattice lattice;  ///< SPH
-  dem::Grains grains;    ///< DEM
+  sph::Lattice lattice;                  ///< SPH
+  dem::Grains grains;                    ///< DEM
+  std::optional<PackingReport> packing;  ///< of the grains
   /// m, from the room to the faces of what holds it. Particles of a continuum stand on the room's surface, a
   /// contact radius away from what they touch; grains are inside it with all of theirs.
   double reach = 0;

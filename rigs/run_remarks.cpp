@@ -7,20 +7,24 @@ namespace {
 
 /// "4.2 % of their weight is borne by nothing, energy of motion 1e-05 m g d".
 std::string describe(const coupler::RestState& rest) {
-  return fmt::format("nothing bears {:.2g} % of their weight, energy of motion is {:.2g} of m g d",
+  return fmt::format("nothing bears {:.3g} % of their weight, energy of motion is {:.2g} of m g d",
                      100 * rest.unborne_weight, rest.kinetic_share);
 }
 
 }  // namespace
 
+std::vector<std::string> remarks_on_packing(const Scene& scene, const coupler::PackingReport& packing) {
+  if (packing.at_rest) return {};
+  return {fmt::format(
+      "grains were not at rest after {:.3g} ms of packing: {} (infill.dem.rest_tolerance is {:g}); "
+      "raise infill.dem.settle_time_limit",
+      1e3 * packing.time, describe(packing.rest), scene.infill.dem.rest_tolerance)};
+}
+
 std::vector<std::string> remarks_on_rest(const Scene& scene, const RunState& state) {
   std::vector<std::string> remarks;
   const DemOptions& options = scene.infill.dem;
-  if (state.packing && !state.packing->at_rest)
-    remarks.push_back(fmt::format(
-        "grains were not at rest after {:.3g} ms of packing: {} (infill.dem.rest_tolerance is {:g}); "
-        "raise infill.dem.settle_time_limit",
-        1e3 * state.packing->time, describe(state.packing->rest), options.rest_tolerance));
+  if (state.packing) remarks = remarks_on_packing(scene, *state.packing);
   if (state.bed_released && !is_at_rest(state.bed_released->rest, options.rest_tolerance))
     remarks.push_back(fmt::format(
         "the bed was not at rest when the rig was released: {} (infill.dem.rest_tolerance is {:g}); "

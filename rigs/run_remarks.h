@@ -9,7 +9,10 @@ namespace tuft::rigs {
 
 /// Of a run that is built: what `check` says too, as far as it is known now.
 [[nodiscard]] std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& state);
-/// Of grains that were not at rest when they were packed, or when the rig was released. Empty before that.
+/// Of grains that were not at rest when they were packed.
+[[nodiscard]] std::vector<std::string> remarks_on_packing(const Scene& scene,
+                                                          const coupler::PackingReport& packing);
+/// The same, or when the rig was released. Empty before that.
 [[nodiscard]] std::vector<std::string> remarks_on_rest(const Scene& scene, const RunState& state);
 /// Of grains that overlapped by more than a tenth of the smaller radius.
 [[nodiscard]] std::vector<std::string> remarks_on_overlaps(const Scene& scene, const dem::DemInfill& infill);

@@ -31,12 +31,14 @@ std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene) {
 }
 
 std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene, const SpecimenTest& rig,
-                                                         std::size_t test) {
+                                                         std::size_t test,
+                                                         std::optional<coupler::PackingReport>* packing) {
   coupler::SpecimenRequest request;
   request.effects = decide_effects(scene);
   const std::optional<coupler::SpecimenStrand> strand = rig.strand();
   const coupler::Specimen specimen =
       coupler::fill_room(scene, request.effects, rig.room(), strand ? &*strand : nullptr);
+  if (packing != nullptr) *packing = specimen.packing;
   Scene of_test = scene;
   rig.adjust(of_test, test);
   request.scene = &of_test;
@@ -93,9 +95,20 @@ class SpecimenRunner {
     return columns;
   }
 
+  /// All tests have the same packing: it is said once.
+  void remark(const std::vector<std::string>& remarks) {
+    for (const std::string& text : remarks) {
+      if (std::ranges::count(summary_.remarks, text) > 0) continue;
+      summary_.remarks.push_back(text);
+      if (request_.on_remark) request_.on_remark(text);
+    }
+  }
+
   void start_test() {
     const ScopedPhase phase(timers_, Phase::setup);
-    simulation_ = build_specimen_test(request_.scene, *rig_, tally_.test);
+    std::optional<coupler::PackingReport> packing;
+    simulation_ = build_specimen_test(request_.scene, *rig_, tally_.test, &packing);
+    if (packing) remark(remarks_on_packing(request_.scene, *packing));
     rig_->begin(tally_.test, *simulation_);
     summary_.particles = simulation_->infill().particles().size();
     summary_.shells = simulation_->carpet().mesh().quads.size();
@@ -288,8 +301,7 @@ class SpecimenRunner {
     summary_.notes["window"] = {simulation_->step_plan().window, "s"};
     if (const auto* grains = dynamic_cast<const dem::DemInfill*>(&simulation_->infill())) {
       add_grain_notes(*grains, request_.scene.materials, summary_.status == "failed", summary_.notes);
-      summary_.remarks = remarks_on_overlaps(request_.scene, *grains);
-      if (request_.on_remark) std::ranges::for_each(summary_.remarks, request_.on_remark);
+      remark(remarks_on_overlaps(request_.scene, *grains));
     }
     summary_.notes["kinetic_share"] = {kinetic_share(), "1"};
     const auto particle_steps =

@@ -76,10 +76,10 @@ class SpecimenTest {
 /// Of a scene whose rig.is_specimen().
 [[nodiscard]] std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene);
 
-/// A fresh specimen between the bodies of a test.
-[[nodiscard]] std::unique_ptr<coupler::Simulation> build_specimen_test(const Scene& scene,
-                                                                       const SpecimenTest& rig,
-                                                                       std::size_t test);
+/// A fresh specimen between the bodies of a test. packing, where asked for: how its grains came to rest.
+[[nodiscard]] std::unique_ptr<coupler::Simulation> build_specimen_test(
+    const Scene& scene, const SpecimenTest& rig, std::size_t test,
+    std::optional<coupler::PackingReport>* packing = nullptr);
 
 /// Force of the specimen on a body over the last interval, N.
 [[nodiscard]] inline Vec3 mean_force(const coupler::Simulation& simulation, std::size_t body,

@@ -82,6 +82,22 @@ TEST(Specimen, OfBothInfillsSideBySideGivesOnePageThatTellsThemApart) {
     EXPECT_NE(page.find(label), std::string::npos) << label;
 }
 
+TEST(Specimen, OfGrainsThatHadNotComeToRestSaysSoOnce) {
+  const Workplace place;
+  auto words = tiny_ring(place.path("run"));
+  words.insert(words.end(),
+               {"--infill", "dem", "--set", "infill.dem.material_coarse_graining.sbr=2.5", "--set",
+                "infill.dem.use_cache=false", "--set", "infill.dem.settle_time=1 ms", "--set",
+                "infill.dem.settle_time_limit=1 ms", "--set", "rig.preloads=[\"5 N\", \"10 N\"]"});
+  const Outcome outcome = run_tuft(words);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json summary = summary_in(place.path("run"));
+  int said = 0;
+  for (const auto& remark : summary["remarks"])
+    said += remark.get<std::string>().find("not at rest after 1 ms of packing") != std::string::npos;
+  EXPECT_EQ(said, 1);
+}
+
 TEST(Specimen, PullOutComparesBothInfillsAndRecordsEveryContact) {
   const Workplace place;
   const Outcome outcome = run_tuft({"compare", "inputs/pull_out_sbr.toml",
