@@ -17,5 +17,19 @@ TEST(GrainsInAFreeBoxOfShells, KeepMomentumAndEnergyOverAHundredThousandSteps) {
   EXPECT_LT(box.energy_error, 0.01);
 }
 
+/// With friction of grains and shells and damped contacts: what they take is in the balance, and momentum
+/// stays.
+TEST(GrainsInAFreeBoxOfShells, BalanceWhatFrictionAndDampingTakeOverAHundredThousandSteps) {
+  GrainCase setup = grains_in_a_box(0.5, 0.8);
+  setup.window = 2.5e-6;
+  const FreeBox box = run_free_box(setup, 100000);
+  std::printf("momentum %.3g, of a window %.3g, energy %.3g\n", box.momentum_change, box.largest_imbalance,
+              box.energy_error);
+  EXPECT_LT(box.momentum_change, 1e-12);
+  EXPECT_LT(box.largest_imbalance, 1e-12);
+  EXPECT_LT(box.energy_error, 0.01);
+  EXPECT_GT(box.energy.dissipated_infill, 0);
+}
+
 }  // namespace
 }  // namespace tuft::coupler
