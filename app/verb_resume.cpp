@@ -39,11 +39,11 @@ int resume(const ResumeArguments& arguments) {
   }
   std::error_code ignored;
   if (!std::filesystem::exists(request.folder / "checkpoint.h5", ignored)) {
-    // What has been recorded without a checkpoint is not written over.
-    if (std::filesystem::exists(request.folder / "run.h5", ignored))
+    // The first checkpoint follows the first row. What has been recorded without is not written over.
+    if (rigs::recorded_rows(request.folder) > 1)
       throw_input_error("{}: no checkpoint to resume from; run the scene again with another --out",
                         arguments.folder);
-    fmt::print("{}: ended before anything was recorded; it starts from the beginning\n", arguments.folder);
+    fmt::print("{}: ended before its first checkpoint; it starts from the beginning\n", arguments.folder);
     request.resume = false;
   }
   if (arguments.threads >= 0) request.scene.numerics.threads = arguments.threads;

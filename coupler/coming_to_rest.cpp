@@ -12,9 +12,10 @@ struct Stage {
   double tolerance;     ///< over the rest tolerance; 0: the stage lasts for `share`
   double share;         ///< of the shortest time
 };
-/// A grain falls no faster than g over the drag: under 300/s at 1 g with 33 mm/s, too slowly for voids to
-/// fill. Hence the stage before it, with 490 mm/s. What is left then is the spring back from 5 g to 1 g, which
-/// strong drag quiets sooner: 1500/s in 3 ms, 300/s in 6.5.
+/// A grain falls no faster than g over the drag: under 1500/s at 1 g with 7 mm/s, too slowly for voids to
+/// fill, and so slowly that only what nothing bears tells that it falls. Hence the stage before it, with 490
+/// mm/s. What is left then is the spring back from 5 g to 1 g, which strong drag quiets sooner: 1500/s in 3
+/// ms, 300/s in 6.5.
 constexpr Stage stages[] = {{1000, 1, 0, 1.0 / 3}, {100, 5, 2, 0}, {1500, 1, 1, 1}};
 
 constexpr double interval = 1e-4;             // s

@@ -14,6 +14,7 @@
 #include "coupler/layer_depth.h"
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
+#include "rigs/run_folder.h"
 #include "rigs/run_outcome.h"
 #include "rigs/run_remarks.h"
 #include "rigs/run_state.h"
@@ -145,12 +146,9 @@ class Runner {
     // Contact with strands has not been looked for yet.
     if (state_.index == 0 && state_.bed_placed && state_.packing)
       state_.bed_placed->rest = state_.packing->rest;
-    count_steps();
-    if (state_.index == 0) {
-      recorder_->record_frame(schedule.time(0), simulation);
-      if (schedule.checkpoint_every > 0) checkpoint();  // whatever ends it from here on, it goes on
-    }
+    if (state_.index == 0) recorder_->record_frame(schedule.time(0), simulation);
     int checkpoints = 0;
+    count_steps();
     while (state_.index < schedule.end) {
       if (state_.compaction && state_.index <= schedule.conditioned()) condition();
       if (state_.index == schedule.release()) {
@@ -179,7 +177,9 @@ class Runner {
       const bool last = state_.index == schedule.end;
       const bool due = schedule.checkpoint_every > 0 && state_.index % schedule.checkpoint_every == 0;
       const bool stop = request_.stop != nullptr && request_.stop->load();
-      if (due || stop || last) {
+      // After the first interval, not before: contact has then looked for what overlaps as placed.
+      const bool first = schedule.checkpoint_every > 0 && state_.index == 1;
+      if (due || stop || last || first) {
         checkpoint();
         if (due) ++checkpoints;
       }
@@ -413,6 +413,7 @@ void Runner::measure() {
 }  // namespace
 
 RunSummary run(const RunRequest& request) {
+  const FolderLock lock(request.folder);
   if (request.scene.rig.is_component()) return run_component(request);
   if (request.scene.rig.is_specimen()) return run_specimen(request);
   return Runner(request).run();

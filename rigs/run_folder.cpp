@@ -1,5 +1,7 @@
 #include "rigs/run_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
@@ -9,6 +11,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/hdf5_file.h"
 #include "core/scene_reader.h"
 
 namespace tuft::rigs {
@@ -26,6 +29,26 @@ std::filesystem::path nearest_existing(std::filesystem::path path) {
 }
 
 }  // namespace
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
+  throw_input_error("{}: a run is at work in this folder; wait for its end, or choose another",
+                    folder.string());
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::size_t recorded_rows(const std::filesystem::path& folder) {
+  try {
+    return h5::File::open(folder / "run.h5").root().open_group("history").read_doubles("time").size();
+  } catch (const RunError&) {
+    return 0;
+  }
+}
 
 void check_run_folder(const std::filesystem::path& folder) {
   std::error_code ignored;

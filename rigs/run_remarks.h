@@ -12,7 +12,7 @@ namespace tuft::rigs {
 /// Of grains that were not at rest when they were packed.
 [[nodiscard]] std::vector<std::string> remarks_on_packing(const Scene& scene,
                                                           const coupler::PackingReport& packing);
-/// The same, or when the rig was released. Empty before that.
+/// The same, and of grains that were not at rest when the rig was released (nothing before that).
 [[nodiscard]] std::vector<std::string> remarks_on_rest(const Scene& scene, const RunState& state);
 /// Of grains that overlapped by more than a tenth of the smaller radius.
 [[nodiscard]] std::vector<std::string> remarks_on_overlaps(const Scene& scene, const dem::DemInfill& infill);

@@ -76,7 +76,8 @@ class SpecimenTest {
 /// Of a scene whose rig.is_specimen().
 [[nodiscard]] std::unique_ptr<SpecimenTest> make_specimen_test(const Scene& scene);
 
-/// A fresh specimen between the bodies of a test. packing, where asked for: how its grains came to rest.
+/// A fresh specimen between the bodies of a test. packing, where asked for: how its grains came to rest;
+/// empty for a continuum.
 [[nodiscard]] std::unique_ptr<coupler::Simulation> build_specimen_test(
     const Scene& scene, const SpecimenTest& rig, std::size_t test,
     std::optional<coupler::PackingReport>* packing = nullptr);

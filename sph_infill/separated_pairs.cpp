@@ -130,7 +130,7 @@ void gather(const Vec3Array& positions, const Cells& cells, const SheetBox& box,
     const double beyond_a = std::max(0.0, std::abs(a) - box.half_length),
                  beyond_b = std::max(0.0, std::abs(b) - box.half_width),
                  beyond_h = std::max(0.0, std::abs(h) - box.half_warp);
-    if (beyond_a * beyond_a + beyond_b * beyond_b + beyond_h * beyond_h > reach * reach) return;
+    if (beyond_a * beyond_a + beyond_b * beyond_b + beyond_h * beyond_h > reach * reach * (1 + 1e-9)) return;
     (h >= 0 ? sides.above : sides.below).add(a, b, std::abs(h), i);
   });
 }
@@ -140,8 +140,8 @@ void gather(const Vec3Array& positions, const Cells& cells, const SheetBox& box,
 void mark_crossing(const SheetBox& box, double a, double b, double h, double reach, Sides& sides) {
   const Side& below = sides.below;
   const std::size_t n = below.particle.size();
-  const double squared_reach = reach * reach;
-  // Rounding is to leave none out.
+  // Rounding is to leave none out: the exact test follows.
+  const double squared_reach = reach * reach * (1 + 1e-9);
   const double slack = 1e-6 * reach, length = box.half_length + slack, width = box.half_width + slack,
                warp = box.half_warp + slack;
   const double *ba = below.along.data(), *bb = below.across.data(), *bh = below.height.data();

@@ -93,8 +93,9 @@ std::optional<Listening> listening(const std::vector<std::string>& words) {
     if (words[k] == "--once") {
       asked.once = true;
     } else if (words[k] == "--frozen-after" && k + 1 < words.size()) {
-      asked.frozen_after = std::strtod(words[++k].c_str(), nullptr);
-      if (!(asked.frozen_after >= 1)) return std::nullopt;
+      char* end = nullptr;
+      asked.frozen_after = std::strtod(words[++k].c_str(), &end);
+      if (*end != '\0' || !(asked.frozen_after >= 1)) return std::nullopt;
     } else {
       return std::nullopt;
     }

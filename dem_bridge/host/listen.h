@@ -8,9 +8,9 @@ inline constexpr int cannot_listen = 3;  ///< exit code of a process that could 
 
 /// Serves one driver after the other, each with a process of its own (LIGGGHTS cannot be emptied and filled
 /// again), until ended by a signal; with `once` only one. One that is frozen as a whole, so that not even its
-/// watch on the driver runs, is killed after `frozen_after` (s). Waits 1 s after a process that failed before
-/// a driver came, twice as long after each that follows. Returns the exit code; throws std::runtime_error
-/// when five in a row have failed so, and where no folder or process can be made.
+/// watch on the driver runs, is killed after `frozen_after` (s, at least 1). Waits 1 s after a process that
+/// failed before a driver came, twice as long after each that follows. Returns the exit code; throws
+/// std::runtime_error when five in a row have failed so, and where no folder or process can be made.
 int listen_for_drivers(const std::string& endpoint, bool once, double frozen_after);
 
 /// Serves one driver. To be called by the process made for it.

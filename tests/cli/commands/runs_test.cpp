@@ -1,4 +1,8 @@
 /// Whole runs through the command line: what they leave, stopping, resuming, failing.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/commands/command.h"
@@ -163,8 +167,18 @@ TEST(Run, IsResumedWithAnotherHostWhereOneIsNamed) {
   expect_bad_input(run_tuft({"resume", folder, "--host", "tcp://nowhere"}),
                    {"infill.dem.host", "tcp://nowhere"});
   expect_failed_run(run_tuft({"resume", folder, "--host", "/no/such/host"}), {"/no/such/host"});
-  const Outcome resumed = run_tuft({"resume", folder});
+  const Outcome resumed = run_tuft({"resume", folder, "--host", HOST_PROGRAM});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+}
+
+TEST(Run, ThatIsAtWorkIsNotResumedByAnother) {
+  const Workplace place;
+  ASSERT_EQ(run_tuft(tiny_run(place.path("run"), {"--stop-after-checkpoints", "1"})).exit_code, 0);
+  const int folder = open(place.path("run").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(flock(folder, LOCK_EX | LOCK_NB), 0);
+  expect_bad_input(run_tuft({"resume", place.path("run")}), {place.path("run"), "at work in this folder"});
+  close(folder);
+  EXPECT_EQ(run_tuft({"resume", place.path("run")}).exit_code, 0);
 }
 
 TEST(Run, OnAContinuumIsNotResumedWithAHost) {

@@ -192,6 +192,7 @@ TEST(SceneMistakes, ContactsOfGrainsThatMakeNoSenseAreNamed) {
   EXPECT_THAT(pairs("{ materials = [\"sand\", \"mixture\"], friction = 0.4 }"),
               HasSubstr("\"mixture\" has no [grain]"));
   EXPECT_THAT(pairs("{ " + materials + ", restitution = 1.2 }"), HasSubstr("pairs.0.restitution: 1.2"));
+  EXPECT_THAT(pairs("{ " + materials + ", restitution = 0.04 }"), HasSubstr("pairs.0.restitution: 0.04"));
   EXPECT_THAT(pairs("{ " + materials + ", cohesion_energy_density = \"1 N\" }"),
               HasSubstr("pairs.0.cohesion_energy_density: \"1 N\""));
   EXPECT_THAT(complaint(good + "[infill.dem]\ncharacteristic_velocity = \"1 m/s\"\n"),

@@ -1,5 +1,6 @@
 // Whole drops on SPH infill, coarse enough to run as tests.
 #include <gtest/gtest.h>
+#include <atomic>
 
 #include "coarse_scene.h"
 #include "core/hdf5_file.h"
@@ -215,6 +216,28 @@ TEST(SphDrop, WithIndividualStepsGivesTheSameBitsOnOneThreadAndResumed) {
     EXPECT_EQ(history("own-two", column), history("own-resumed", column)) << column;
   }
   EXPECT_EQ(error_of("own-two"), error_of("own-resumed"));
+}
+
+/// What overlaps as placed among strands is let go gradually, also when the run goes on from its very first
+/// checkpoint.
+TEST(SphDrop, ResumedFromItsFirstCheckpointGivesTheSameBitsAsNeverStopped) {
+  const Overrides brief{{"scene.duration", "3 ms"}, {"output.checkpoint_every", "50 ms"}};
+  const RunSummary through = drop("first-through", brief);
+  ASSERT_EQ(through.status, "completed") << through.error;
+  ASSERT_GT(note(through, "initial_overlaps"), 0);
+  RunRequest request = request_of("first-resumed", brief);
+  const std::atomic<bool> at_once = true;
+  request.stop = &at_once;
+  ASSERT_EQ(run(request).status, "stopped");
+  ASSERT_EQ(history("first-resumed", "time").size(), 1u);
+  request.stop = nullptr;
+  request.resume = true;
+  const RunSummary resumed = run(request);
+  ASSERT_EQ(resumed.status, "completed") << resumed.error;
+  for (const char* column : {"time", "velocity", "acceleration", "penetration"})
+    EXPECT_EQ(history("first-through", column), history("first-resumed", column)) << column;
+  EXPECT_EQ(error_of("first-through"), error_of("first-resumed"));
+  EXPECT_EQ(note(resumed, "initial_overlaps"), note(through, "initial_overlaps"));
 }
 
 TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
