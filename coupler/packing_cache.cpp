@@ -9,7 +9,7 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 5";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 6";  // raise when packing or settling changes its results
 
 /// Only what the packing depends on: a change of rig or output must not repeat it.
 std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& effects,

@@ -2,8 +2,10 @@
 
 #include <limits>
 
+#include "core/error.h"
 #include "coupler/build_simulation.h"
 #include "coupler/packing_cache.h"
+#include "dem_bridge/host_process.h"
 
 namespace tuft::coupler {
 
@@ -17,6 +19,19 @@ std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh) {
     quads.push_back(quad);
   }
   return quads;
+}
+
+int packing_ranks(const Scene& scene, const dem::Grains& grains) {
+  constexpr std::size_t many = 20'000;
+  const DemOptions& options = scene.infill.dem;
+  const bool elsewhere = options.host.starts_with("tcp://");
+  if (options.ranks > 1 || elsewhere || !grains.body.empty() || grains.size() < many) return options.ranks;
+  try {
+    static_cast<void>(dem::find_mpirun());
+    return 2;
+  } catch (const RunError&) {
+    return 1;
+  }
 }
 
 SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -50,6 +65,7 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
   still.infill.dem.overlap_limit = 0;
   still.conditioning = {};
+  still.infill.dem.ranks = packing_ranks(scene, settled.grains);
   BuildRequest request;
   request.scene = &still;
   request.effects = effects;

@@ -15,6 +15,10 @@ namespace tuft::coupler {
 /// The shells of a mesh as obstacles for packing.
 [[nodiscard]] std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh);
 
+/// MPI processes of the host while these grains come to rest: the scene's, or two for 20 000 grains and more
+/// where the scene asks for one, mpirun is there, and grains are spheres on this machine's own host.
+[[nodiscard]] int packing_ranks(const Scene& scene, const dem::Grains& grains);
+
 struct SettledGrains {
   dem::Grains grains;
   PackingReport report;
