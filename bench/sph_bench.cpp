@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <random>
 #include <string>
 
+#include "bench/resident_memory.h"
 #include "core/parallel.h"
 #include "sph_infill/sph_infill.h"
 
@@ -39,18 +39,6 @@ Material bench_material() {
   material.continuum = m;
   material.bulk_density = m.density;
   return material;
-}
-
-/// Resident memory of this process, bytes.
-double resident_memory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == "VmRSS:") {
-      double kibibytes = 0;
-      status >> kibibytes;
-      return 1024 * kibibytes;
-    }
-  return 0;
 }
 
 struct Preset {

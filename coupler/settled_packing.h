@@ -26,8 +26,9 @@ struct SettledGrains {
 };
 
 /// Packs grains geometrically among the mesh (held still), then lets them come to rest (coming_to_rest.h).
-/// The result depends on the scene's turf, grain materials, DEM options, numerics.seed and the program's
-/// version only: equal inputs give equal bits, from the cache or not. Velocities are not kept.
+/// The result depends on the scene's turf, grain materials, DEM options, numerics.seed, packing_ranks and the
+/// program's version only: equal inputs give equal bits, from the cache or not. (The cache does not tell
+/// ranks apart: a bed that was packed on other ranks is as good, and is taken.) Velocities are not kept.
 [[nodiscard]] SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                                           const fe::ShellMesh& mesh,
                                           const std::function<void(const std::string&, double)>& on_progress);

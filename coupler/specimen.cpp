@@ -67,6 +67,7 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   // A means to get grains at rest: its energy balance is not a result.
   still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
   still.infill.dem.overlap_limit = 0;
+  still.infill.dem.ranks = packing_ranks(scene, loose.grains);
   SpecimenRequest request;
   request.scene = &still;
   request.effects = effects;

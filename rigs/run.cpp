@@ -122,14 +122,7 @@ class Runner {
     built_ = true;
   }
 
-  /// What has been said once is not said again.
-  void remark(const std::vector<std::string>& remarks) {
-    for (const std::string& text : remarks) {
-      if (std::ranges::count(summary_.remarks, text) > 0) continue;
-      summary_.remarks.push_back(text);
-      if (request_.on_remark) request_.on_remark(text);
-    }
-  }
+  void remark(const std::vector<std::string>& remarks) { add_remarks(request_, remarks, summary_); }
 
   void set_settle_damping() {
     state_.simulation().set_damping(request_.scene.numerics.settle_damping,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace tuft::rigs {
 namespace {
 
@@ -12,6 +14,14 @@ std::string describe(const coupler::RestState& rest) {
 }
 
 }  // namespace
+
+void add_remarks(const RunRequest& request, const std::vector<std::string>& remarks, RunSummary& summary) {
+  for (const std::string& text : remarks) {
+    if (std::ranges::count(summary.remarks, text) > 0) continue;
+    summary.remarks.push_back(text);
+    if (request.on_remark) request.on_remark(text);
+  }
+}
 
 std::vector<std::string> remarks_on_packing(const Scene& scene, const coupler::PackingReport& packing) {
   if (packing.at_rest) return {};

@@ -3,9 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "rigs/run.h"
 #include "rigs/run_state.h"
 
 namespace tuft::rigs {
+
+/// Takes remarks into the summary and tells them as the request asks; what has been said once is not said
+/// again.
+void add_remarks(const RunRequest& request, const std::vector<std::string>& remarks, RunSummary& summary);
 
 /// Of a run that is built: what `check` says too, as far as it is known now.
 [[nodiscard]] std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& state);

@@ -95,14 +95,7 @@ class SpecimenRunner {
     return columns;
   }
 
-  /// All tests have the same packing: it is said once.
-  void remark(const std::vector<std::string>& remarks) {
-    for (const std::string& text : remarks) {
-      if (std::ranges::count(summary_.remarks, text) > 0) continue;
-      summary_.remarks.push_back(text);
-      if (request_.on_remark) request_.on_remark(text);
-    }
-  }
+  void remark(const std::vector<std::string>& remarks) { add_remarks(request_, remarks, summary_); }
 
   void start_test() {
     const ScopedPhase phase(timers_, Phase::setup);

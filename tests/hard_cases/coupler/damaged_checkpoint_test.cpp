@@ -118,7 +118,13 @@ void expect_refused(Bed& bed, const std::string& path, const std::string& damage
   EXPECT_EQ(said.find('\n'), std::string::npos) << said;
 }
 
-void damage_each_in_turn(Bed& bed, std::size_t least_datasets) {
+/// What is not damaged is taken, also after all that.
+std::string refusal_of_the_whole(Bed& bed) {
+  std::filesystem::copy_file(bed.whole(), bed.damaged(), std::filesystem::copy_options::overwrite_existing);
+  return bed.refusal();
+}
+
+void expect_each_damage_refused(Bed& bed, std::size_t least_datasets) {
   const std::vector<std::string> names = datasets_of(bed.whole());
   EXPECT_GE(names.size(), least_datasets);
   for (const std::string& name : names) {
@@ -136,7 +142,7 @@ void damage_each_in_turn(Bed& bed, std::size_t least_datasets) {
   }
 }
 
-void spoil(Bed& bed, const std::string& name, std::size_t entry, double value) {
+void expect_value_refused(Bed& bed, const std::string& name, std::size_t entry, double value) {
   std::vector<double> values = values_of(bed.whole(), name);
   if (values.size() <= entry) values.resize(entry + 1);
   values[entry] = value;
@@ -154,10 +160,8 @@ Overrides all_that_a_checkpoint_holds() {
 
 TEST(DamagedCheckpoint, EachDatasetOfABedOfSphThatIsTooLongTooShortOrNoNumberIsRefused) {
   Bed bed(all_that_a_checkpoint_holds());
-  damage_each_in_turn(bed, 100);
-  // And what is not damaged is taken after all that.
-  std::filesystem::copy_file(bed.whole(), bed.damaged(), std::filesystem::copy_options::overwrite_existing);
-  EXPECT_EQ(bed.refusal(), "");
+  expect_each_damage_refused(bed, 100);
+  EXPECT_EQ(refusal_of_the_whole(bed), "");
 }
 
 TEST(DamagedCheckpoint, ValuesOfABedOfSphThatCannotBeAreRefused) {
@@ -231,12 +235,14 @@ TEST(DamagedCheckpoint, ValuesOfABedOfSphThatCannotBeAreRefused) {
       {"simulation/node_body/keys", 0, 1e19},
       {"simulation/particle_body/initial_overlap_pairs", 0, 0.5},
   };
-  for (const Case& damage : cases) spoil(bed, damage.dataset, damage.entry, damage.value);
+  for (const Case& damage : cases) expect_value_refused(bed, damage.dataset, damage.entry, damage.value);
+  EXPECT_EQ(refusal_of_the_whole(bed), "");
 }
 
 TEST(DamagedCheckpoint, EachDatasetOfABedOfSpheresIsRefused) {
   Bed bed({{"conditioning.method", "compaction"}}, true);
-  damage_each_in_turn(bed, 60);
+  expect_each_damage_refused(bed, 60);
+  EXPECT_EQ(refusal_of_the_whole(bed), "");
 }
 
 }  // namespace

@@ -12,26 +12,15 @@ namespace {
 
 constexpr double pitch = 0.002;
 
-/// half_rows: rows strain shares of their cells between springs of half a row, as beds of scenes do; else
-/// whole cells between stiff springs.
-struct Bed {
-  test::Numerics numerics;
-  bool half_rows = false;
-
-  friend void PrintTo(const Bed& bed, std::ostream* os) {
-    PrintTo(bed.numerics, os);
-    *os << (bed.half_rows ? " half rows" : "");
-  }
-};
-
-class CyclicLoading : public testing::TestWithParam<Bed> {};
+class CyclicLoading : public testing::TestWithParam<test::RowNumerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, CyclicLoading,
-                         testing::Values(Bed{{test::Preset::accurate}},
-                                         Bed{{test::Preset::accurate, 0.3, 0.05}},
-                                         Bed{{test::Preset::fast, 0.3, 0.05}}, Bed{{test::Preset::paper}},
-                                         Bed{{test::Preset::accurate, 0.3, 0.05}, true},
-                                         Bed{{test::Preset::fast, 0.3, 0.05}, true},
-                                         Bed{{test::Preset::paper, 0.3, 0.05}, true}));
+                         testing::Values(test::RowNumerics{{test::Preset::accurate}},
+                                         test::RowNumerics{{test::Preset::accurate, 0.3, 0.05}},
+                                         test::RowNumerics{{test::Preset::fast, 0.3, 0.05}},
+                                         test::RowNumerics{{test::Preset::paper}},
+                                         test::RowNumerics{{test::Preset::accurate, 0.3, 0.05}, true},
+                                         test::RowNumerics{{test::Preset::fast, 0.3, 0.05}, true},
+                                         test::RowNumerics{{test::Preset::paper, 0.3, 0.05}, true}));
 
 /// A block between plates in a slip box, pressed by 5 % and then a hundred times between 5 % and 4 %, where
 /// it stays in contact. The law's own answer: the same stress at every peak from the first on.
@@ -40,10 +29,7 @@ TEST_P(CyclicLoading, AHundredCyclesOfCompressionRepeatTheFirstAndKeepDensityCon
   const SoilFoamMaterial material = test::mixture_material();
   const bool half_rows = GetParam().half_rows;
   const SphSettings settings = test::settings_of(GetParam().numerics, pitch, {0, 0, 0});
-  Turf turf;
-  turf.layers = {{0, rows * pitch}};
-  const Lattice lattice = half_rows ? make_bed(turf, {{width * pitch, width * pitch}, 0}, settings.options)
-                                    : test::block(width, width, rows, pitch);
+  const Lattice lattice = test::block_of(GetParam(), width, width, rows, pitch);
   SphInfill infill(lattice, test::single_material(material), settings);
   const std::size_t n = lattice.position.size();
   const double stiffness = (half_rows ? 2 : 10) * constrained_modulus(material, 1e5) * pitch,

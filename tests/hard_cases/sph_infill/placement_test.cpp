@@ -66,26 +66,15 @@ TEST_P(CoincidentParticles, DoNotUpsetTheBlockTheyAreIn) {
   EXPECT_LT(fastest, 50 * 7 * pitch) << "something was shot out";
 }
 
-/// Walls are springs of constrained modulus x pitch, or of half a row with rows that have shares, as in a
-/// scene.
-struct AtAWall {
-  test::Numerics numerics;
-  bool half_rows = false;
-
-  friend void PrintTo(const AtAWall& at, std::ostream* os) {
-    PrintTo(at.numerics, os);
-    *os << (at.half_rows ? " half rows" : "");
-  }
-};
-
-class ParticleAtAWall : public testing::TestWithParam<AtAWall> {};
+/// Walls are springs of constrained modulus x pitch, or of half a row.
+class ParticleAtAWall : public testing::TestWithParam<test::RowNumerics> {};
 INSTANTIATE_TEST_SUITE_P(NumericsOf, ParticleAtAWall,
-                         testing::Values(AtAWall{{test::Preset::accurate}},
-                                         AtAWall{{test::Preset::fast, 0.3, 0.05}},
-                                         AtAWall{{test::Preset::paper}},
-                                         AtAWall{{test::Preset::accurate, 0.3, 0.05}, true},
-                                         AtAWall{{test::Preset::fast, 0.3, 0.05}, true},
-                                         AtAWall{{test::Preset::paper, 0.3, 0.05}, true}));
+                         testing::Values(test::RowNumerics{{test::Preset::accurate}},
+                                         test::RowNumerics{{test::Preset::fast, 0.3, 0.05}},
+                                         test::RowNumerics{{test::Preset::paper}},
+                                         test::RowNumerics{{test::Preset::accurate, 0.3, 0.05}, true},
+                                         test::RowNumerics{{test::Preset::fast, 0.3, 0.05}, true},
+                                         test::RowNumerics{{test::Preset::paper, 0.3, 0.05}, true}));
 
 /// Its spring holds half a pitch of overlap from the start, and shoots it into the block at most of the speed
 /// of sound: no more than what the spring held may appear, and it is all booked. At half the largest step the
@@ -93,10 +82,7 @@ INSTANTIATE_TEST_SUITE_P(NumericsOf, ParticleAtAWall,
 /// go gently.)
 TEST_P(ParticleAtAWall, AMicrometreAwayIsPushedOffWithItsEnergyBooked) {
   const SphSettings settings = test::settings_of(GetParam().numerics, pitch, {0, 0, -9.81});
-  Turf turf;
-  turf.layers = {{0, 7 * pitch}};
-  Lattice lattice = GetParam().half_rows ? make_bed(turf, {{7 * pitch, 7 * pitch}, 0}, settings.options)
-                                         : test::block(7, 7, 7, pitch);
+  Lattice lattice = test::block_of(GetParam(), 7, 7, 7, pitch);
   const std::size_t n = lattice.position.size();
   std::size_t near = 0;
   for (std::size_t i = 0; i < n; ++i)

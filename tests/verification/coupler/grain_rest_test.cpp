@@ -52,6 +52,27 @@ TEST_P(GrainRest, DoublingTheSettlingChangesTheBedLittle) {
   EXPECT_GT(contacts, 2.5);
 }
 
+/// As beds of 20 000 grains and more are packed. The two part by rounding, so that no grain lies where it
+/// did.
+TEST_P(GrainRest, PackedOnTwoRanksIsTheSameBedAsOnOne) {
+  const auto placed = [](const char* ranks) {
+    const RunSummary s =
+        run(request_of(std::string("rest-ranks-") + ranks, bed({{"effects.fibres", GetParam()},
+                                                                {"infill.dem.ranks", ranks},
+                                                                {"numerics.settle_time", "0.1 ms"},
+                                                                {"numerics.settle_time_limit", "0.1 ms"},
+                                                                {"scene.duration", "0.1 ms"}})));
+    EXPECT_EQ(s.status, "completed") << s.error;
+    return s;
+  };
+  const RunSummary one = placed("1"), two = placed("2");
+  EXPECT_EQ(note(two, "packing_at_rest"), 1);
+  EXPECT_EQ(two.particles, one.particles);
+  const double depth = note(one, "bed_placed_depth"), contacts = note(one, "bed_placed_coordination");
+  EXPECT_NEAR(note(two, "bed_placed_depth"), depth, 0.01 * depth);
+  EXPECT_NEAR(note(two, "bed_placed_coordination"), contacts, 0.05 * contacts);
+}
+
 /// A missile that hardly touches: what moves, falls.
 TEST_P(GrainRest, NothingFallsOnceDragIsTakenAway) {
   const RunSummary s = run(request_of("rest-released", bed({{"effects.fibres", GetParam()},

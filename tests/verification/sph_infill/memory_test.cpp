@@ -2,25 +2,11 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include <fstream>
-#include <string>
-
+#include "bench/resident_memory.h"
 #include "tests/verification/sph_infill/cases/case_support.h"
 
 namespace tuft::sph {
 namespace {
-
-/// Of this process, bytes.
-double resident_memory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == "VmRSS:") {
-      double kibibytes = 0;
-      status >> kibibytes;
-      return 1024 * kibibytes;
-    }
-  return 0;
-}
 
 /// Thrown off its lattice, so that rows of neighbours are of unlike length as in a bed at rest, and stepped
 /// until lists have been made again.

@@ -36,6 +36,26 @@ inline SphSettings settings_of(const Numerics& numerics, double pitch, const Vec
   return settings;
 }
 
+/// Numerics, and what holds rows: springs of half a row with rows that strain shares of their cells, as beds
+/// of scenes do, or stiff springs and whole cells.
+struct RowNumerics {
+  Numerics numerics;
+  bool half_rows = false;
+};
+
+inline void PrintTo(const RowNumerics& n, std::ostream* os) {
+  PrintTo(n.numerics, os);
+  *os << (n.half_rows ? " half rows" : "");
+}
+
+/// block() as those numerics have it.
+inline Lattice block_of(const RowNumerics& rows, int nx, int ny, int nz, double pitch) {
+  if (!rows.half_rows) return block(nx, ny, nz, pitch);
+  Turf turf;
+  turf.layers = {{0, nz * pitch}};
+  return make_bed(turf, {{nx * pitch, ny * pitch}, 0}, settings_of(rows.numerics, pitch, {0, 0, 0}).options);
+}
+
 /// A wall with Coulomb friction: the impulse along it takes what sliding there is, up to friction times the
 /// impulse across it.
 struct FrictionPlane {

@@ -10,13 +10,6 @@ constexpr double modulus = bulk * (1 + 4.0 / 3 * shear_ratio);
 constexpr int width = 5;
 const double theory = std::sqrt(modulus / density);
 
-Lattice bar_lattice(const Numerics& numerics, const BarSizes& sizes, double pitch) {
-  if (!sizes.half_row) return block(width, width, sizes.rows, pitch);
-  Turf turf;
-  turf.layers = {{0, sizes.length}};
-  return make_bed(turf, {{width * pitch, width * pitch}, 0}, settings_of(numerics, pitch, {0, 0, 0}).options);
-}
-
 struct Bar {
   double pitch;
   Lattice lattice;
@@ -27,7 +20,7 @@ struct Bar {
 
   Bar(const Numerics& numerics, const BarSizes& sizes)
       : pitch(sizes.length / sizes.rows),
-        lattice(bar_lattice(numerics, sizes, pitch)),
+        lattice(block_of({numerics, sizes.half_row}, width, width, sizes.rows, pitch)),
         infill(lattice, single_material(elastic_material(bulk, density, shear_ratio)),
                settings_of(numerics, pitch, {0, 0, 0})),
         roller(200 * modulus * pitch),
