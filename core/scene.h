@@ -122,11 +122,14 @@ struct DemOptions {
   /// Of two grains, over the smaller radius, beyond which a run stops, from the release of the rig on; 0:
   /// none.
   double overlap_limit = 0;
-  double answer_timeout = 30;      ///< s without an answer until the host counts as hung
-  double settle_time = 0.003;      ///< s of packing dynamics among still strands, at least
+  double answer_timeout = 30;  ///< s without an answer until the host counts as hung
+  /// [0, 1] of their friction, on each other and on strands, that grains have while they are laid
+  /// (coupler/laying.h): 1 a bed as poured, 0 the densest, as tamped.
+  double packing_friction = 1;
+  double settle_time = 0.003;      ///< s of packing dynamics, at least
   double settle_time_limit = 0.1;  ///< s, at most; grains that are not at rest then are said not to be
-  /// Share of their weight that nothing bears, below which grains are at rest (coupler/bed_state.h): packed
-  /// among still strands, and before the rig is released.
+  /// Share of their weight that nothing bears, below which grains are at rest (coupler/bed_state.h): packed,
+  /// and before the rig is released.
   double rest_tolerance = 0.1;
   bool use_cache = true;
 };

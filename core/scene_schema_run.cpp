@@ -74,6 +74,10 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
               dem.overlap_limit, non_negative);
   keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
                 dem.answer_timeout, "s", positive);
+  keys.number({"packing_friction",
+               "share of their friction, on each other and on strands, that grains have while they are laid: "
+               "1 a bed as poured, 0 the densest, as tamped"},
+              dem.packing_friction, Range{0, 1});
   keys.quantity({"settle_time", "packing dynamics after the geometric packing, at least"}, dem.settle_time,
                 "s", non_negative);
   keys.quantity({"settle_time_limit", "packing dynamics end when the grains are at rest, at the latest then"},

@@ -241,7 +241,7 @@ std::unique_ptr<Infill> build_continuum(const BuildRequest& request, BuiltSimula
 }
 
 std::unique_ptr<Infill> build_grains(const BuildRequest& request, const fe::ShellMesh& mesh,
-                                     BuiltSimulation& built) {
+                                     BuiltSimulation& built, std::optional<fe::CarpetShape>& carpet) {
   const Scene& scene = *request.scene;
   dem::Grains settled;
   if (request.grains != nullptr) {
@@ -250,6 +250,7 @@ std::unique_ptr<Infill> build_grains(const BuildRequest& request, const fe::Shel
     const auto start = std::chrono::steady_clock::now();
     SettledGrains packed = settle_grains(scene, request.effects, mesh, request.on_progress);
     settled = std::move(packed.grains);
+    carpet = std::move(packed.carpet);
     built.packing = packed.report;
     built.packing_from_cache = packed.from_cache;
     built.packing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -323,9 +324,12 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   SimulationParts parts;
   fe::ShellMesh mesh = build_carpet_mesh(scene, request.effects);
   parts.node_radius = node_radii(mesh);
+  std::optional<fe::CarpetShape> carpet;
+  if (request.carpet != nullptr) carpet = *request.carpet;
   parts.infill = scene.infill.approach == Approach::sph ? build_continuum(request, built)
-                                                        : build_grains(request, mesh, built);
+                                                        : build_grains(request, mesh, built, carpet);
   parts.carpet = build_carpet(request, std::move(mesh));
+  if (carpet) parts.carpet->take_shape(*carpet);
   add_bodies(request, parts, built);
   set_contact(request, parts);
 

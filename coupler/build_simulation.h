@@ -29,6 +29,7 @@ struct BuildRequest {
   bool before_conditioning = false;
   /// Grains at rest, for DEM; empty: they are packed and settled (or taken from the cache).
   const dem::Grains* grains = nullptr;
+  const fe::CarpetShape* carpet = nullptr;  ///< how the carpet stands among those grains; empty: as made
   std::function<void(const std::string& stage, double done)> on_progress;  ///< while packing; done in [0, 1]
 };
 

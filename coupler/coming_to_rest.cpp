@@ -16,7 +16,9 @@ struct Stage {
 /// fill. Hence the stage before it, with 490 mm/s. What is left then is the spring back from 5 g to 1 g, and
 /// a few grains that fall yet: strong drag quiets the one, weak drag lets the others fall. Of 5700 grains, at
 /// rest after 12, 10 and 8.5 ms in all with 300, 600 and 1500/s; of 50 000 after 18, 16 and 19.5 ms.
-constexpr Stage stages[] = {{1000, 1, 0, 1.0 / 3}, {100, 5, 2, 0}, {600, 1, 1, 1}};
+constexpr Stage of_placed[] = {{1000, 1, 0, 1.0 / 3}, {100, 5, 2, 0}, {600, 1, 1, 1}};
+constexpr double tolerance_of_laid = 2;
+constexpr Stage of_laid[] = {{1000, 1, 0, 1.0 / 3}, {600, 1, tolerance_of_laid, 1}};
 
 constexpr double interval = 1e-4;             // s
 constexpr std::uint64_t looked_at_every = 5;  // intervals
@@ -37,12 +39,14 @@ PackingReport packing_report_of(std::span<const double> n) {
   return {n[4], n[5] != 0, rest_of(n), n[6]};
 }
 
-PackingReport come_to_rest(Simulation& simulation, const DemOptions& options,
+PackingReport come_to_rest(Simulation& simulation, const DemOptions& options, Bed bed,
                            const std::function<void(double)>& report) {
   const std::uint64_t least = std::max<std::uint64_t>(1, intervals_in(options.settle_time)),
                       most = std::max(least, intervals_in(options.settle_time_limit));
   PackingReport result;
   std::uint64_t done = 0;
+  const std::span<const Stage> stages =
+      bed == Bed::placed ? std::span<const Stage>(of_placed) : std::span<const Stage>(of_laid);
   for (const Stage& stage : stages) {
     simulation.set_damping(0, stage.damping);
     simulation.set_infill_acceleration(Vec3(0, 0, -9.81 * (stage.acceleration - 1)));
@@ -62,7 +66,7 @@ PackingReport come_to_rest(Simulation& simulation, const DemOptions& options,
   }
   result.time = static_cast<double>(done) * interval;
   result.rest = measure_rest(simulation);
-  result.at_rest = is_at_rest(result.rest, options.rest_tolerance);
+  result.at_rest = is_at_rest(result.rest, stages.back().tolerance * options.rest_tolerance);
   return result;
 }
 

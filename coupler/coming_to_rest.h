@@ -20,11 +20,15 @@ struct PackingReport {
 [[nodiscard]] std::vector<double> numbers_of(const PackingReport& report);
 [[nodiscard]] PackingReport packing_report_of(std::span<const double> numbers);
 
-/// Three stages: strong drag, in which what overlaps still parts slowly; several g with light drag, until
-/// nearly all that weighs is borne; 1 g with strong drag, until the grains are at rest by
-/// options.rest_tolerance. At least options.settle_time, at most options.settle_time_limit (whichever is
-/// longer). `report` gets the share of that limit that is done. `moved` of the result is left at 0.
-PackingReport come_to_rest(Simulation& simulation, const DemOptions& options,
+/// How grains lie before: placed by geometry alone, or laid already (laying.h).
+enum class Bed { placed, laid };
+
+/// Stages: strong drag, in which what overlaps still parts slowly; for a bed that is only placed, several g
+/// with light drag, until nearly all that weighs is borne; 1 g with strong drag, until the grains are at
+/// rest: by options.rest_tolerance, of a laid bed by twice that, for it settles again as its strands are let
+/// go. At least options.settle_time, at most options.settle_time_limit (whichever is longer). `report` gets
+/// the share of that limit that is done. `moved` of the result is left at 0.
+PackingReport come_to_rest(Simulation& simulation, const DemOptions& options, Bed bed,
                            const std::function<void(double)>& report);
 
 }  // namespace tuft::coupler

@@ -9,7 +9,7 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 6";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 8";  // raise when packing or settling changes its results
 
 /// Only what the packing depends on: a change of rig or output must not repeat it.
 std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& effects,
@@ -60,30 +60,38 @@ PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>
     path_ = folder / ("packing-" + packing_key(scene, effects, container) + ".h5");
 }
 
-bool PackingCache::load(dem::Grains& grains, PackingReport& report) const {
+bool PackingCache::load(Packing& packing) const {
   if (path_.empty() || !std::filesystem::exists(path_)) return false;
   try {
     const h5::File file = h5::File::open(path_);
     const h5::Group root = file.root();
+    dem::Grains& grains = packing.grains;
     grains.position = {root.read_doubles("x"), root.read_doubles("y"), root.read_doubles("z")};
     grains.radius = root.read_doubles("radius");
     grains.density = root.read_doubles("density");
     grains.layer = root.read_ints("layer");
     grains.material = root.read_ints("material");
     if (root.has("body")) grains.body = root.read_ints("body");
-    report = packing_report_of(root.read_doubles("report"));
+    fe::CarpetShape& carpet = packing.carpet;
+    carpet.position = {root.read_doubles("carpet_x"), root.read_doubles("carpet_y"),
+                       root.read_doubles("carpet_z")};
+    carpet.element_state = root.read_doubles("carpet_elements");
+    carpet.strain = root.read_double("carpet_strain");
+    carpet.hourglass = root.read_double("carpet_hourglass");
+    packing.report = packing_report_of(root.read_doubles("report"));
     return grains.position.x.size() == grains.radius.size() && grains.material.size() == grains.radius.size();
   } catch (const RunError&) {
     return false;  // a cache that cannot be read is a cache that is not there
   }
 }
 
-void PackingCache::store(const dem::Grains& grains, const PackingReport& report) const {
+void PackingCache::store(const Packing& packing) const {
   if (path_.empty()) return;
   try {
     std::filesystem::create_directories(path_.parent_path());
     h5::File file = h5::File::create_atomically(path_);
     h5::Group root = file.root();
+    const dem::Grains& grains = packing.grains;
     root.write("x", std::span<const double>(grains.position.x));
     root.write("y", std::span<const double>(grains.position.y));
     root.write("z", std::span<const double>(grains.position.z));
@@ -92,7 +100,14 @@ void PackingCache::store(const dem::Grains& grains, const PackingReport& report)
     root.write("layer", std::span<const std::int32_t>(grains.layer));
     root.write("material", std::span<const std::int32_t>(grains.material));
     if (!grains.body.empty()) root.write("body", std::span<const std::int32_t>(grains.body));
-    root.write("report", std::span<const double>(numbers_of(report)));
+    const fe::CarpetShape& carpet = packing.carpet;
+    root.write("carpet_x", std::span<const double>(carpet.position.x));
+    root.write("carpet_y", std::span<const double>(carpet.position.y));
+    root.write("carpet_z", std::span<const double>(carpet.position.z));
+    root.write("carpet_elements", std::span<const double>(carpet.element_state));
+    root.write_scalar("carpet_strain", carpet.strain);
+    root.write_scalar("carpet_hourglass", carpet.hourglass);
+    root.write("report", std::span<const double>(numbers_of(packing.report)));
     file.commit();
   } catch (const std::exception&) {
     // The run does not need the cache: a full or read-only home must not stop it.

@@ -7,8 +7,15 @@
 #include "core/scene.h"
 #include "coupler/coming_to_rest.h"
 #include "dem_bridge/dem_infill.h"
+#include "fe_carpet/carpet.h"
 
 namespace tuft::coupler {
+
+struct Packing {
+  dem::Grains grains;
+  fe::CarpetShape carpet;  ///< as the grains have pushed the strands; of no nodes where strands stood still
+  PackingReport report;
+};
 
 /// Settled packings kept by content: the scene's turf, grain materials, DEM options, seed, the effects that
 /// matter to grains, the program's version, and `container`, in words, where it is not the turf's tray.
@@ -16,9 +23,8 @@ namespace tuft::coupler {
 class PackingCache {
  public:
   PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects, std::string_view container);
-  [[nodiscard]] bool load(dem::Grains& grains,
-                          PackingReport& report) const;  ///< false: not there, or not readable
-  void store(const dem::Grains& grains, const PackingReport& report) const;
+  [[nodiscard]] bool load(Packing& packing) const;  ///< false: not there, or not readable
+  void store(const Packing& packing) const;
 
  private:
   std::filesystem::path path_;  ///< empty: no cache

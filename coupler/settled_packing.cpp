@@ -1,11 +1,14 @@
 #include "coupler/settled_packing.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "core/error.h"
 #include "coupler/build_simulation.h"
+#include "coupler/laying.h"
 #include "coupler/packing_cache.h"
 #include "dem_bridge/host_process.h"
+#include "dem_bridge/packing_relaxation.h"
 
 namespace tuft::coupler {
 
@@ -34,12 +37,52 @@ int packing_ranks(const Scene& scene, const dem::Grains& grains) {
   }
 }
 
+namespace {
+
+/// As packings are made: of numerics nothing counts but what the cache tells apart. A packing is a means to
+/// get grains at rest, damped and at several g: its energy balance is not a result. Non-finite values and
+/// lost grains still stop it.
+Scene packing_scene(const Scene& scene) {
+  Scene still = scene;
+  still.numerics = Numerics{};
+  still.numerics.seed = scene.numerics.seed;
+  still.numerics.step_safety = scene.numerics.step_safety;
+  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
+  still.infill.dem.overlap_limit = 0;
+  still.conditioning = {};
+  return still;
+}
+
+/// Soft grains at rest overlap as much as stiff ones under ten times the weight; made stiff they would push
+/// each other with that, and friction would keep some of it in the bed. Clumps are left: they part as bodies.
+void part_overlaps(dem::Grains& grains, const Scene& scene, fe::ShellMesh mesh,
+                   const fe::CarpetShape& carpet) {
+  constexpr int sweeps = 200;
+  if (!grains.body.empty() || grains.size() == 0) return;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) mesh.nodes.set(n, carpet.position[n]);
+  const double floor = scene.turf.carpet.backing_thickness;
+  double lid = floor;
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    lid = std::max(lid, grains.position.z[i] + 2 * grains.radius[i]);
+  dem::LooseSpheres spheres;
+  spheres.position = std::move(grains.position);
+  spheres.radius = grains.radius;
+  spheres.low.assign(grains.size(), floor);
+  spheres.high.assign(grains.size(), lid);
+  const dem::PackingBox box{{0.5 * scene.turf.size[0], 0.5 * scene.turf.size[1]}, floor, lid, false};
+  const std::vector<dem::ThinQuad> quads = thin_quads(mesh);
+  dem::push_apart(spheres, box, quads, sweeps);
+  grains.position = std::move(spheres.position);
+}
+
+}  // namespace
+
 SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                             const fe::ShellMesh& mesh,
                             const std::function<void(const std::string&, double)>& on_progress) {
   const PackingCache cache(scene, effects, {});
   SettledGrains settled;
-  settled.from_cache = cache.load(settled.grains, settled.report);
+  settled.from_cache = cache.load(settled);
   if (settled.from_cache) return settled;
 
   const auto report = [&](double done) {
@@ -59,24 +102,26 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
   settled.grains = dem::pack_grains(packing);
   report(0.1);
 
-  Scene still = scene;
-  // Settling is a means to get grains at rest, damped and at several g: its energy balance is not a result.
-  // Non-finite values and lost grains still stop it.
-  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
-  still.infill.dem.overlap_limit = 0;
-  still.conditioning = {};
+  Scene still = packing_scene(scene);
   still.infill.dem.ranks = packing_ranks(scene, settled.grains);
+  LaidBed laid = lay(still, effects, settled.grains, [&](double done) { report(0.1 + 0.6 * done); });
+  settled.grains.position = std::move(laid.position);
+  part_overlaps(settled.grains, still, mesh, laid.carpet);
   BuildRequest request;
   request.scene = &still;
   request.effects = effects;
   request.grains = &settled.grains;
-  BuiltSimulation built = build_simulation(request);
+  request.carpet = &laid.carpet;
+  const BuiltSimulation built = build_simulation(request);
+  // Strands that swing keep grains awake: they are let go in the run, where the bed settles again.
   built.simulation->freeze_carpet(true);
-  settled.report =
-      come_to_rest(*built.simulation, scene.infill.dem, [&](double done) { report(0.1 + 0.9 * done); });
+  settled.report = come_to_rest(*built.simulation, scene.infill.dem, Bed::laid,
+                                [&](double done) { report(0.7 + 0.3 * done); });
+  settled.report.time += laid.time;
   settled.report.moved = static_cast<double>(settled.grains.moved);
   settled.grains.position = positions(built.simulation->infill());
-  cache.store(settled.grains, settled.report);
+  settled.carpet = built.simulation->carpet().shape();
+  cache.store(settled);
   return settled;
 }
 

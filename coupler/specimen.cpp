@@ -59,9 +59,13 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
       scene, effects,
       fmt::format("{} {:.17g} x {:.17g} x {:.17g} m{}", room.round ? "ring" : "box", room.size[0],
                   room.size[1], room.height, strand != nullptr ? strand->description() : ""));
+  Packing packing;
+  if (cache.load(packing)) {
+    report = packing.report;
+    return packing.grains;
+  }
   Specimen loose;
   loose.room = room;
-  if (cache.load(loose.grains, report)) return loose.grains;
   loose.grains = packed_grains(scene, effects, room, strand);
   Scene still = scene;
   // A means to get grains at rest: its energy balance is not a result.
@@ -76,10 +80,10 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   request.strand = strand;
   const auto simulation = build_specimen(request);
   simulation->freeze_carpet(true);
-  report = come_to_rest(*simulation, scene.infill.dem, [](double) {});
+  report = come_to_rest(*simulation, scene.infill.dem, Bed::placed, [](double) {});
   report.moved = static_cast<double>(loose.grains.moved);
   loose.grains.position = positions(simulation->infill());
-  cache.store(loose.grains, report);
+  cache.store({loose.grains, {}, report});
   return loose.grains;
 }
 

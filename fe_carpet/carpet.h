@@ -73,6 +73,14 @@ struct CarpetEnergy {
   bool operator==(const CarpetEnergy&) const = default;
 };
 
+/// Where a carpet stands and how it is stressed, without motion: what strands keep of the way infill was laid
+/// among them.
+struct CarpetShape {
+  Vec3Array position;                 ///< m, of the mesh's nodes and the carpet's own spare ones
+  std::vector<double> element_state;  ///< thickness and stresses, element by element
+  double strain = 0, hourglass = 0;   ///< J, that went into the elements
+};
+
 /// Nodes: positions at t, translational velocity half a step before.
 struct NodeView {
   std::span<const double> x, y, z, vx, vy, vz;
@@ -148,6 +156,11 @@ class Carpet {
   [[nodiscard]] GripSums grips() const;
   void set_position(std::size_t node,
                     const Vec3& position);  ///< for restoring a settled shape; before stepping only
+
+  [[nodiscard]] CarpetShape shape() const;  ///< none of whose elements has failed, else std::logic_error
+  /// Stands as in that shape, of a carpet of the same mesh and sections, and at rest; before the first step
+  /// only (std::logic_error). Throws RunError when it does not fit.
+  void take_shape(const CarpetShape& shape);
 
   void save(h5::Group& group) const;
   void load(const h5::Group& group);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/checkpoint_values.h"
+#include "core/error.h"
 #include "fe_carpet/carpet_impl.h"
 #include "fe_carpet/erosion.h"
 
@@ -108,6 +109,30 @@ void restore_eroded(const std::vector<double>& eroded, ElementArrays& elements, 
 }
 
 }  // namespace
+
+CarpetShape Carpet::shape() const {
+  const Impl& c = *impl_;
+  if (c.elements.eroded_count > 0)
+    throw std::logic_error("carpet: the shape is asked of a carpet whose shells have failed");
+  const CarpetEnergy spent = energy();
+  return {c.nodes.motion.position, unpack_state(c.elements), spent.strain, spent.hourglass};
+}
+
+void Carpet::take_shape(const CarpetShape& shape) {
+  Impl& c = *impl_;
+  if (c.steps > 0) throw std::logic_error("carpet: a shape is taken before the first step only");
+  const std::size_t nodes = c.nodes.motion.position.size(), values = state_size(c.elements);
+  if (shape.position.size() != nodes || shape.element_state.size() != values)
+    throw RunError(fmt::format(
+        "carpet: a shape of {} nodes and {} values of elements does not fit a carpet of {} and {}",
+        shape.position.size(), shape.element_state.size(), nodes, values));
+  if (c.elements.element_count == 0) return;
+  c.nodes.motion.position = shape.position;
+  if (c.subcycling) c.subcycling->window.position = shape.position;
+  pack_state(shape.element_state, c.elements);
+  restore_block_sums({shape.strain}, c.elements.strain_work);
+  restore_block_sums({shape.hourglass}, c.elements.hourglass_work);
+}
 
 void Carpet::save(h5::Group& group) const {
   const Impl& c = *impl_;

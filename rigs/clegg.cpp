@@ -30,19 +30,34 @@ double pulse_duration(const std::vector<double>& signal, std::size_t peak, doubl
   return (last - first) * interval;
 }
 
+/// The sample before the first force over the threshold ends where contact begins.
+double height_at(const DropRecord& record, std::size_t touch) {
+  return touch > 0 ? record.height[touch - 1] : record.height[0];
+}
+
 }  // namespace
+
+void TouchClock::sample(double force) {
+  if (force < touch_force_)
+    candidate_.reset();
+  else if (!candidate_)
+    candidate_ = samples_;
+  ++samples_;
+  if (!(force > largest_)) return;
+  largest_ = force;
+  touch_ = candidate_;
+}
 
 DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& filtered, double mass,
                           double touch_force) {
   DropResults r;
   const std::size_t n = record.acceleration.size();
-  std::size_t touch = 0;
-  while (touch < n && record.acceleration[touch] * mass < touch_force) ++touch;
-  if (touch == n) return r;
+  TouchClock clock(touch_force);
+  for (const double acceleration : record.acceleration) clock.sample(acceleration * mass);
+  if (!clock.touched()) return r;
+  const std::size_t touch = clock.touch();
   r.touched = true;
   r.touch_time = static_cast<double>(touch) * record.interval;
-  // The sample before the first force over the threshold ends where contact begins.
-  const double touch_height = touch > 0 ? record.height[touch - 1] : record.height[0];
   r.impact_velocity = -(touch > 0 ? record.velocity[touch - 1] : record.velocity[0]);
   std::size_t peak = touch, deepest = touch;
   for (std::size_t i = touch; i < n; ++i) {
@@ -52,7 +67,7 @@ DropResults evaluate_drop(const DropRecord& record, const std::vector<double>& f
   r.peak_g = filtered[peak] / standard_gravity;
   r.time_of_peak = static_cast<double>(peak - touch) * record.interval;
   r.pulse_duration = pulse_duration(filtered, peak, record.interval);
-  r.max_penetration = touch_height - record.height[deepest];
+  r.max_penetration = height_at(record, touch) - record.height[deepest];
   std::size_t last_contact = touch;
   for (std::size_t i = touch; i < n; ++i)
     if (record.acceleration[i] * mass >= touch_force) last_contact = i;
@@ -106,10 +121,7 @@ void CleggTester::sample(const coupler::Simulation& simulation, double time, dou
   record_.interval = interval;
   const coupler::RigidBody& body = simulation.bodies()[body_];
   const double acceleration = simulation.interval_impulse()[body_].z() / (settings_.mass * interval);
-  if (!touched_ && acceleration * settings_.mass >= settings_.touch_force) {
-    touched_ = true;
-    touch_height_ = record_.height.empty() ? body.position.z() : record_.height.back();
-  }
+  clock_.sample(acceleration * settings_.mass);
   record_.acceleration.push_back(acceleration);
   record_.velocity.push_back(body.velocity.z());
   record_.height.push_back(body.position.z());
@@ -122,7 +134,8 @@ std::vector<HistoryColumn> CleggTester::columns() const {
 std::vector<double> CleggTester::row() const {
   if (record_.acceleration.empty()) return {0, 0, 0, 0};
   const double acceleration = record_.acceleration.back();
-  const double penetration = touched_ ? touch_height_ - record_.height.back() : 0.0;
+  const double penetration =
+      clock_.touched() ? height_at(record_, clock_.touch()) - record_.height.back() : 0.0;
   return {acceleration, record_.velocity.back(), penetration, acceleration * settings_.mass};
 }
 
@@ -160,8 +173,6 @@ void CleggTester::save(h5::Group& group) const {
   group.write("velocity", std::span<const double>(record_.velocity));
   group.write("height", std::span<const double>(record_.height));
   group.write_scalar("interval", record_.interval);
-  group.write_scalar("touch_height", touch_height_);
-  group.write_scalar("touched", static_cast<std::uint64_t>(touched_ ? 1 : 0));
   group.write_scalar("samples_before_release", static_cast<std::uint64_t>(samples_before_release_));
 }
 
@@ -170,8 +181,8 @@ void CleggTester::load(const h5::Group& group) {
   record_.velocity = group.read_doubles("velocity");
   record_.height = group.read_doubles("height");
   record_.interval = group.read_double("interval");
-  touch_height_ = group.read_double("touch_height");
-  touched_ = group.read_count("touched") != 0;
+  clock_ = TouchClock(settings_.touch_force);
+  for (const double acceleration : record_.acceleration) clock_.sample(acceleration * settings_.mass);
   samples_before_release_ = group.read_count("samples_before_release");
 }
 

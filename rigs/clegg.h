@@ -1,5 +1,6 @@
 #pragma once
 /// Clegg impact tester: a flat-ended rigid cylinder guided vertically, falling free on the turf.
+#include <optional>
 #include <vector>
 
 #include "rigs/rig.h"
@@ -15,9 +16,26 @@ struct DropRecord {
   std::vector<double> height;        ///< m, lower face, at the sample's end
 };
 
+/// When the missile touches: where its force first passes touch_force on the way to the largest force so far,
+/// staying over it. Strands that a falling missile buckles, and a single grain that stands out, may press as
+/// hard for a moment, some mm above the infill; what counts is the contact that stops it.
+class TouchClock {
+ public:
+  explicit TouchClock(double touch_force) : touch_force_(touch_force) {}
+  void sample(double force);  ///< N, one after the other
+  [[nodiscard]] bool touched() const { return touch_.has_value(); }
+  /// Which sample was the first over touch_force. touched() only.
+  [[nodiscard]] std::size_t touch() const { return *touch_; }
+
+ private:
+  double touch_force_, largest_ = 0;
+  std::size_t samples_ = 0;
+  std::optional<std::size_t> candidate_, touch_;  ///< since when the force is over touch_force; see touch()
+};
+
 struct DropResults {
   bool touched = false, separated = false;
-  double touch_time = 0;    ///< s since release
+  double touch_time = 0;    ///< s since release, see TouchClock
   double peak_g = 0;        ///< of the filtered acceleration, in standard gravity (9.80665 m/s^2)
   double time_of_peak = 0;  ///< s since touch
   double rebound_velocity =
@@ -36,7 +54,8 @@ struct DropResults {
 
 class CleggTester final : public Rig {
  public:
-  explicit CleggTester(const CleggRig& settings, double gravity) : settings_(settings), gravity_(gravity) {}
+  explicit CleggTester(const CleggRig& settings, double gravity)
+      : settings_(settings), gravity_(gravity), clock_(settings.touch_force) {}
 
   [[nodiscard]] std::vector<coupler::RigidBody> bodies() const override;
   void set_first_body(std::size_t index) override { body_ = index; }
@@ -56,8 +75,7 @@ class CleggTester final : public Rig {
   double gravity_;
   std::size_t body_ = 0;
   std::size_t samples_before_release_ = 0;
-  double touch_height_ = 0;
-  bool touched_ = false;
+  TouchClock clock_;
   DropRecord record_;
 };
 

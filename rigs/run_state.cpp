@@ -18,7 +18,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 16;
+constexpr std::uint64_t checkpoint_format = 17;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))

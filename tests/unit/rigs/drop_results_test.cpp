@@ -59,6 +59,28 @@ TEST(DropResults, PulseDurationLeavesOutALongWeakTouchBeforeAndAfter) {
       << "the threshold does see the fibres";
 }
 
+/// Strands that buckle under the falling missile, 3 mm above the infill.
+TEST(DropResults, AMomentOfForceBeforeTheInfillIsNotTheTouch) {
+  DropRecord record = spring_drop(300, 2.85, 0.003, 2e-5);
+  const DropResults bare = evaluate_drop(record, record.acceleration, 2.25, 22);
+  for (std::size_t i = 100; i < 110; ++i) record.acceleration[i] = 28 / 2.25;
+  const DropResults r = evaluate_drop(record, record.acceleration, 2.25, 22);
+  EXPECT_EQ(r.touch_time, bare.touch_time);
+  EXPECT_EQ(r.max_penetration, bare.max_penetration);
+  EXPECT_EQ(r.contact_time, bare.contact_time);
+  EXPECT_EQ(r.time_of_peak, bare.time_of_peak);
+}
+
+TEST(TouchClock, KnowsAtEachSampleOnlyWhatHasBeen) {
+  TouchClock clock(22);
+  const double force[] = {0, 5, 28, 30, 10, 25, 29, 40, 12, 39};
+  const int touch[] = {-1, -1, 2, 2, 2, 2, 2, 5, 5, 5};
+  for (std::size_t i = 0; i < std::size(force); ++i) {
+    clock.sample(force[i]);
+    EXPECT_EQ(clock.touched() ? static_cast<int>(clock.touch()) : -1, touch[i]) << i;
+  }
+}
+
 TEST(DropResults, WithoutReboundSayThatItDidNotPart) {
   DropRecord record = spring_drop(300, 2.85, 0.001, 2e-5);
   const std::size_t keep = 300;  // cut before it parts
