@@ -80,7 +80,9 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
               dem.packing_friction, Range{0, 1});
   keys.quantity({"settle_time", "packing dynamics after the geometric packing, at least"}, dem.settle_time,
                 "s", non_negative);
-  keys.quantity({"settle_time_limit", "packing dynamics end when the grains are at rest, at the latest then"},
+  keys.quantity({"settle_time_limit",
+                 "laying of grains ends when they hardly sink, and coming to rest when they are at rest; "
+                 "each at the latest after so long"},
                 dem.settle_time_limit, "s", non_negative);
   keys.number(
       {"rest_tolerance", "share of their weight that nothing bears, below which grains count as at rest"},

@@ -1,26 +1,25 @@
 #include "coupler/laying.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "coupler/build_simulation.h"
+#include "coupler/packing_cache.h"
 
 namespace tuft::coupler {
 namespace {
 
-constexpr double softness =
-    10;  ///< moduli are divided by it: steps are 3 times as long, overlaps some per cent
+/// Moduli are divided by it: steps are 3 times as long, overlaps some per cent.
+constexpr double softness = 10;
 constexpr double acceleration = 20;       ///< g
 constexpr double damping = 200;           ///< 1/s: grains fall with 1 m/s at most
 constexpr double interval = 1e-4;         ///< s
 constexpr std::uint64_t look_every = 10;  ///< intervals
 /// The bed is laid when its mean height sinks by less than this share of itself between two looks. Of 5700
-/// grains among coarse strands that is after 20 ms; what it still sinks by after that is 2 % of its depth.
+/// grains among coarse strands that is after 14 ms, without friction after 25 (and 25 ms more let it sink by
+/// another 2 %).
 constexpr double slow = 0.002;
-
-constexpr std::uint64_t springing_back = 50;  ///< intervals
+constexpr std::uint64_t springing_back = 50;  ///< intervals, at 1 g
 
 FrictionLaw share_of(const FrictionLaw& law, double share) {
   return {share * law.static_coefficient, share * law.dynamic_coefficient, law.decay};
@@ -95,10 +94,7 @@ LaidBed lay(const Scene& scene, const std::vector<EffectDecision>& effects, cons
   for (std::uint64_t i = 0; i < springing_back; ++i) simulation.advance_interval(interval);
   done += springing_back;
   LaidBed bed;
-  const ParticleView particles = simulation.infill().particles();
-  bed.position = {{particles.x.begin(), particles.x.end()},
-                  {particles.y.begin(), particles.y.end()},
-                  {particles.z.begin(), particles.z.end()}};
+  bed.position = positions(simulation.infill());
   bed.carpet = simulation.carpet().shape();
   bed.time = static_cast<double>(done) * interval;
   return bed;
