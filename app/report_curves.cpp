@@ -61,8 +61,8 @@ std::string report_curves(const Runs& runs) {
   if (!cutoff.empty())
     note += fmt::format("; bold curves after the rig's filter ({}), pale ones as computed", cutoff);
   if (touched && !runs.empty() && runs.front().scene)
-    note +=
-        fmt::format(". Time zero: contact force first at {:g} N", runs.front().scene->rig.clegg.touch_force);
+    note += fmt::format(". Time zero: contact force stays over {:g} N from there to its peak",
+                        runs.front().scene->rig.clegg.touch_force);
   for (const RunData& run : runs)
     if (touched && !run.touch_time)
       note += fmt::format(". {} never touched: its time zero is the release", escape_html(run.label));

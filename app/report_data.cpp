@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/scene_reader.h"
+#include "rigs/clegg.h"
 #include "rigs/run_folder.h"
 
 namespace tuft::app {
@@ -36,9 +37,9 @@ TimeTable read_time_table(const h5::Group& root, const std::string& name) {
 std::optional<double> find_touch(const TimeTable& history, double touch_force) {
   if (!history.has("contact_force")) return std::nullopt;
   const std::vector<double>& force = history.at("contact_force");
-  for (std::size_t i = 0; i < force.size(); ++i)
-    if (history.time[i] >= 0 && force[i] >= touch_force) return history.time[i];
-  return std::nullopt;
+  rigs::TouchClock clock(touch_force);
+  for (std::size_t i = 0; i < force.size(); ++i) clock.sample(history.time[i] >= 0 ? force[i] : 0.0);
+  return clock.touched() ? std::optional(history.time[clock.touch()]) : std::nullopt;
 }
 
 void read_records(RunData& run) {

@@ -62,7 +62,7 @@ struct RunData {
   std::optional<Scene> scene;
   TimeTable history, energy;
   std::vector<double> frame_times;   ///< s since release
-  std::optional<double> touch_time;  ///< s since release: contact force first at rig.clegg.touch_force
+  std::optional<double> touch_time;  ///< s since release: rigs::TouchClock
   std::string unreadable;            ///< why run.h5 says nothing though it is there; empty otherwise
 
   /// Reads the frame nearest to a time. Empty when there are no frames.
