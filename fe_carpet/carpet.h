@@ -74,9 +74,9 @@ struct CarpetEnergy {
 };
 
 /// Where a carpet stands and how it is stressed, without motion: what strands keep of the way infill was laid
-/// among them.
+/// among them. Strains on the way to failure are not kept: they count from there on.
 struct CarpetShape {
-  Vec3Array position;                 ///< m, of the mesh's nodes and the carpet's own spare ones
+  Vec3Array position;                 ///< m, one per node of the mesh
   std::vector<double> element_state;  ///< thickness and stresses, element by element
   double strain = 0, hourglass = 0;   ///< J, that went into the elements
 };

@@ -19,12 +19,20 @@ void write_vectors(h5::Group& group, const std::string& name, const Vec3Array& v
   group.write(name + "_z", values.z);
 }
 
+/// Which rows of an element's state: all, or those of thickness and stress, without what follows the strain
+/// to failure.
+enum class Rows { all, stress };
+
+std::size_t row_count(const ElementFamily& family, Rows rows) {
+  return rows == Rows::all ? family.rows : family.rows - family.failure_rows();
+}
+
 /// Values of the elements' rows and thicknesses.
-std::size_t state_size(const ElementArrays& elements) {
+std::size_t state_size(const ElementArrays& elements, Rows which = Rows::all) {
   std::size_t size = 0;
   for (const Index slot : elements.slot) {
     const std::size_t batch = static_cast<std::size_t>(slot) / lanes;
-    size += 1 + elements.family[static_cast<std::size_t>(elements.batch_family[batch])].rows;
+    size += 1 + row_count(elements.family[static_cast<std::size_t>(elements.batch_family[batch])], which);
   }
   return size;
 }
@@ -32,26 +40,27 @@ std::size_t state_size(const ElementArrays& elements) {
 /// Calls visit(value) for each element's thickness and rows: element by element, so that a checkpoint does
 /// not depend on the width of the processor's vectors.
 template <class Elements, class Visit>
-void visit_state(Elements& elements, const Visit& visit) {
+void visit_state(Elements& elements, Rows which, const Visit& visit) {
   for (const Index slot_index : elements.slot) {
     const auto slot = static_cast<std::size_t>(slot_index), batch = slot / lanes;
     const std::size_t first = elements.state_of_batch(batch) + slot % lanes;
-    const std::size_t rows = elements.family[static_cast<std::size_t>(elements.batch_family[batch])].rows;
+    const std::size_t rows =
+        row_count(elements.family[static_cast<std::size_t>(elements.batch_family[batch])], which);
     visit(elements.thickness[slot]);
     for (std::size_t row = 0; row < rows; ++row) visit(elements.state[first + row * lanes]);
   }
 }
 
-std::vector<double> unpack_state(const ElementArrays& elements) {
+std::vector<double> unpack_state(const ElementArrays& elements, Rows which = Rows::all) {
   std::vector<double> flat;
-  flat.reserve(state_size(elements));
-  visit_state(elements, [&flat](double value) { flat.push_back(value); });
+  flat.reserve(state_size(elements, which));
+  visit_state(elements, which, [&flat](double value) { flat.push_back(value); });
   return flat;
 }
 
-void pack_state(const std::vector<double>& flat, ElementArrays& elements) {
+void pack_state(const std::vector<double>& flat, ElementArrays& elements, Rows which = Rows::all) {
   auto next = flat.begin();
-  visit_state(elements, [&next](double& value) { value = *next++; });
+  visit_state(elements, which, [&next](double& value) { value = *next++; });
 }
 
 /// Block sums keep their blocks, for the same last bits; from a processor of another vector width the total
@@ -115,21 +124,22 @@ CarpetShape Carpet::shape() const {
   if (c.elements.eroded_count > 0)
     throw std::logic_error("carpet: the shape is asked of a carpet whose shells have failed");
   const CarpetEnergy spent = energy();
-  return {c.nodes.motion.position, unpack_state(c.elements), spent.strain, spent.hourglass};
+  CarpetShape shape{{}, unpack_state(c.elements, Rows::stress), spent.strain, spent.hourglass};
+  for (std::size_t n = 0; n < c.nodes.size(); ++n) shape.position.push_back(c.nodes.motion.position[n]);
+  return shape;
 }
 
 void Carpet::take_shape(const CarpetShape& shape) {
   Impl& c = *impl_;
   if (c.steps > 0) throw std::logic_error("carpet: a shape is taken before the first step only");
-  const std::size_t nodes = c.nodes.motion.position.size(), values = state_size(c.elements);
+  const std::size_t nodes = c.nodes.size(), values = state_size(c.elements, Rows::stress);
   if (shape.position.size() != nodes || shape.element_state.size() != values)
     throw RunError(fmt::format(
         "carpet: a shape of {} nodes and {} values of elements does not fit a carpet of {} and {}",
         shape.position.size(), shape.element_state.size(), nodes, values));
   if (c.elements.element_count == 0) return;
-  c.nodes.motion.position = shape.position;
-  if (c.subcycling) c.subcycling->window.position = shape.position;
-  pack_state(shape.element_state, c.elements);
+  for (std::size_t n = 0; n < nodes; ++n) set_position(n, shape.position[n]);
+  pack_state(shape.element_state, c.elements, Rows::stress);
   restore_block_sums({shape.strain}, c.elements.strain_work);
   restore_block_sums({shape.hourglass}, c.elements.hourglass_work);
 }

@@ -92,6 +92,14 @@ TEST_P(GrainRest, LaidWithoutFrictionIsDenserThanAsPoured) {
   EXPECT_GT(note(tamped, "bed_released_coordination"), note(poured, "bed_released_coordination"));
 }
 
+TEST(GrainRest, StrandsThatCanFailAreLaidAmongAsThoseThatCannot) {
+  Overrides failing = bed({{"turf.carpet.fibre.failure_strain", "0.4"}});
+  const RunSummary whole = run(request_of("rest-whole", bed())), torn = run(request_of("rest-torn", failing));
+  ASSERT_EQ(torn.status, "completed") << torn.error;
+  EXPECT_EQ(note(torn, "bed_placed_depth"), note(whole, "bed_placed_depth"));
+  EXPECT_EQ(note(torn, "bed_placed_coordination"), note(whole, "bed_placed_coordination"));
+}
+
 /// A missile that hardly touches: what moves, falls.
 TEST_P(GrainRest, NothingFallsOnceDragIsTakenAway) {
   const RunSummary s = run(request_of("rest-released", bed({{"effects.fibres", GetParam()},

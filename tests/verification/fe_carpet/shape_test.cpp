@@ -11,11 +11,13 @@ constexpr double step = 2e-7;  // s
 
 class Shape : public testing::TestWithParam<ElementKind> {
  protected:
-  [[nodiscard]] std::unique_ptr<Carpet> strip() const {
+  [[nodiscard]] std::unique_ptr<Carpet> strip(double failure_strain = 0) const {
     CarpetOptions options = no_gravity();
     options.section.element = GetParam();
     options.section.thickness_points = 3;
-    return std::make_unique<Carpet>(strip_.mesh, std::vector{polyethylene()}, options);
+    ShellMaterial material = polyethylene();
+    material.failure_strain = failure_strain;
+    return std::make_unique<Carpet>(strip_.mesh, std::vector{material}, options);
   }
   /// On the tip, which bends the strip by more than a third of its length.
   [[nodiscard]] Vec3Array load(double newtons) const {
@@ -62,6 +64,24 @@ TEST_P(Shape, IsAtRestUnderTheLoadThatBentItAndSpringsBackWithoutIt) {
   const auto end = static_cast<std::size_t>(strip_.node(strip_.shape.along, 0));
   const double in_a_step = step * std::abs(freed->nodes().vz[end]);
   EXPECT_LT((tip(*freed) - tip(*original)).norm(), in_a_step + 1e-5 * start.z()) << "freed, as the original";
+}
+
+/// Grains are laid among strands that cannot fail; in the run they may.
+TEST_P(Shape, IsTakenByACarpetWhoseShellsCanFailAndWhichThenFails) {
+  const auto original = bent();
+  const auto copy = strip(0.02);
+  copy->take_shape(original->shape());
+  const Vec3 start = tip(*copy);
+  for (int i = 0; i < 5000; ++i) copy->step(step, load(0.001));
+  EXPECT_LT((tip(*copy) - start).norm(), 1e-5 * start.z());
+  EXPECT_EQ(copy->eroded_count(), 0u);
+  const CarpetShape again = copy->shape();
+  EXPECT_EQ(again.position.size(), strip_.node_count());
+  EXPECT_EQ(again.element_state.size(), original->shape().element_state.size());
+  for (int i = 0; i < 20'000 && copy->eroded_count() == 0; ++i) copy->step(step, load(2));
+  EXPECT_GT(copy->eroded_count(), 0u) << "pulled";
+  EXPECT_NEAR(copy->energy().balance(), original->energy().strain + original->energy().hourglass,
+              1e-3 * std::abs(copy->energy().external_work));
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Shape,
