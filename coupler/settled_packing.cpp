@@ -39,20 +39,6 @@ int packing_ranks(const Scene& scene, const dem::Grains& grains) {
 
 namespace {
 
-/// As packings are made: of numerics nothing counts but what the cache tells apart. A packing is a means to
-/// get grains at rest, damped and at several g: its energy balance is not a result. Non-finite values and
-/// lost grains still stop it.
-Scene packing_scene(const Scene& scene) {
-  Scene still = scene;
-  still.numerics = Numerics{};
-  still.numerics.seed = scene.numerics.seed;
-  still.numerics.step_safety = scene.numerics.step_safety;
-  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
-  still.infill.dem.overlap_limit = 0;
-  still.conditioning = {};
-  return still;
-}
-
 /// Soft grains at rest overlap as much as stiff ones under ten times the weight; made stiff they would push
 /// each other with that, and friction would keep some of it in the bed. Clumps are left: they part as bodies.
 void part_overlaps(dem::Grains& grains, const Scene& scene, fe::ShellMesh mesh,
@@ -82,8 +68,12 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
                             const std::function<void(const std::string&, double)>& on_progress) {
   const PackingCache cache(scene, effects, {});
   SettledGrains settled;
-  settled.from_cache = cache.load(settled);
+  settled.from_cache = cache.load(settled, [&](const Packing& kept) {
+    // Of a carpet made otherwise, by another version of the program: its shape is refused here.
+    build_carpet(scene, effects, mesh)->take_shape(kept.carpet);
+  });
   if (settled.from_cache) return settled;
+  const std::string cache_trouble = std::move(settled.report.cache_trouble);
 
   const auto report = [&](double done) {
     if (on_progress) on_progress("packing", done);
@@ -119,6 +109,7 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
                                 [&](double done) { report(0.7 + 0.3 * done); });
   settled.report.time += laid.time;
   settled.report.moved = static_cast<double>(settled.grains.moved);
+  settled.report.cache_trouble = cache_trouble;
   settled.grains.position = positions(built.simulation->infill());
   settled.carpet = built.simulation->carpet().shape();
   cache.store(settled);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "rigs/window_remarks.h"
+
 namespace tuft::rigs {
 namespace {
 
@@ -23,12 +25,23 @@ void add_remarks(const RunRequest& request, const std::vector<std::string>& rema
   }
 }
 
+std::vector<std::string> remarks_on_window(const Scene& scene, const coupler::Simulation& simulation,
+                                           double interval, const std::string& rows) {
+  if (scene.numerics.coupling_window == 0) return {};
+  const std::string remark =
+      remark_on_windows(simulation.stable_steps(interval), scene.numerics, interval, rows);
+  return remark.empty() ? std::vector<std::string>{} : std::vector{remark};
+}
+
 std::vector<std::string> remarks_on_packing(const Scene& scene, const coupler::PackingReport& packing) {
-  if (packing.at_rest) return {};
-  return {fmt::format(
-      "grains were not at rest after {:.3g} ms of packing: {} (infill.dem.rest_tolerance is {:g}); "
-      "raise infill.dem.settle_time_limit",
-      1e3 * packing.time, describe(packing.rest), scene.infill.dem.rest_tolerance)};
+  std::vector<std::string> remarks;
+  if (!packing.cache_trouble.empty()) remarks.push_back(packing.cache_trouble);
+  if (!packing.at_rest)
+    remarks.push_back(fmt::format(
+        "grains were not at rest after {:.3g} ms of packing: {} (infill.dem.rest_tolerance is {:g}); "
+        "raise infill.dem.settle_time_limit",
+        1e3 * packing.time, describe(packing.rest), scene.infill.dem.rest_tolerance));
+  return remarks;
 }
 
 std::vector<std::string> remarks_on_rest(const Scene& scene, const RunState& state) {
