@@ -9,11 +9,11 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 8";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 9";  // raise when packing or settling changes its results
 
 /// Only what the packing depends on: a change of rig or output must not repeat it.
 std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& effects,
-                        std::string_view container) {
+                        std::string_view surroundings) {
   Scene bare = scene;
   bare.file.clear();
   bare.info = {"packing", 1};
@@ -37,7 +37,7 @@ std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& e
   for (const char* name : {"fibres", "backing", "friction_rate", "rolling_resistance", "grain_cohesion",
                            "clumps", "contact_damping"})
     text += std::string(name) + (effect_on(effects, name) ? " on\n" : " off\n");
-  text += container;
+  text += surroundings;
   return content_hash(text);
 }
 
@@ -51,13 +51,43 @@ std::filesystem::path cache_folder() {
   return {};
 }
 
+/// Arrays of one length each; what the carpet needs is seen when it takes the shape.
+bool is_whole(const Packing& packing) {
+  const dem::Grains& grains = packing.grains;
+  const std::size_t count = grains.radius.size(), nodes = packing.carpet.position.x.size();
+  const auto of_all = [&](std::size_t length) { return length == count; };
+  return count > 0 && of_all(grains.position.x.size()) && of_all(grains.position.y.size()) &&
+         of_all(grains.position.z.size()) && of_all(grains.density.size()) && of_all(grains.layer.size()) &&
+         of_all(grains.material.size()) && (grains.body.empty() || of_all(grains.body.size())) &&
+         packing.carpet.position.y.size() == nodes && packing.carpet.position.z.size() == nodes;
+}
+
+template <class Value>
+void append_bytes(std::string& bytes, const std::vector<Value>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+}
+
 }  // namespace
 
+std::string fingerprint(const fe::ShellMesh& mesh) {
+  std::string bytes;
+  append_bytes(bytes, mesh.nodes.x);
+  append_bytes(bytes, mesh.nodes.y);
+  append_bytes(bytes, mesh.nodes.z);
+  append_bytes(bytes, mesh.quads);
+  append_bytes(bytes, mesh.thickness);
+  append_bytes(bytes, mesh.material);
+  append_bytes(bytes, mesh.surface);
+  append_bytes(bytes, mesh.clamped);
+  append_bytes(bytes, mesh.constraints);
+  return content_hash(bytes);
+}
+
 PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects,
-                           std::string_view container) {
+                           std::string_view surroundings) {
   const std::filesystem::path folder = cache_folder();
   if (scene.infill.dem.use_cache && !folder.empty())
-    path_ = folder / ("packing-" + packing_key(scene, effects, container) + ".h5");
+    path_ = folder / ("packing-" + packing_key(scene, effects, surroundings) + ".h5");
 }
 
 bool PackingCache::load(Packing& packing) const {
@@ -78,8 +108,10 @@ bool PackingCache::load(Packing& packing) const {
     carpet.element_state = root.read_doubles("carpet_elements");
     carpet.strain = root.read_double("carpet_strain");
     carpet.hourglass = root.read_double("carpet_hourglass");
-    packing.report = packing_report_of(root.read_doubles("report"));
-    return grains.position.x.size() == grains.radius.size() && grains.material.size() == grains.radius.size();
+    const std::vector<double> report = root.read_doubles("report");
+    if (report.size() != numbers_of(PackingReport{}).size()) return false;
+    packing.report = packing_report_of(report);
+    return is_whole(packing);
   } catch (const RunError&) {
     return false;  // a cache that cannot be read is a cache that is not there
   }

@@ -18,17 +18,21 @@ struct Packing {
 };
 
 /// Settled packings kept by content: the scene's turf, grain materials, DEM options, seed, the effects that
-/// matter to grains, the program's version, and `container`, in words, where it is not the turf's tray.
-/// Reading and writing never fail: without a cache a packing is made anew.
+/// matter to grains, a number that is raised with the way of packing, and `surroundings`: the fingerprint of
+/// the mesh that grains lie among, or the container in words. Scenes are as packings are made
+/// (packing_scene). Reading and writing never fail: without a cache a packing is made anew.
 class PackingCache {
  public:
-  PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects, std::string_view container);
-  [[nodiscard]] bool load(Packing& packing) const;  ///< false: not there, or not readable
+  PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects, std::string_view surroundings);
+  [[nodiscard]] bool load(Packing& packing) const;  ///< false: not there, not readable or not whole
   void store(const Packing& packing) const;
 
  private:
   std::filesystem::path path_;  ///< empty: no cache
 };
+
+/// Of all that a mesh holds, bit for bit.
+[[nodiscard]] std::string fingerprint(const fe::ShellMesh& mesh);
 
 [[nodiscard]] Vec3Array positions(const Infill& infill);
 

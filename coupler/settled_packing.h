@@ -15,6 +15,11 @@ namespace tuft::coupler {
 /// The shells of a mesh as obstacles for packing.
 [[nodiscard]] std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh);
 
+/// A scene as its packings are made: of numerics nothing counts but seed and step_safety, which the cache
+/// tells apart. A packing is a means to get grains at rest, damped and at several g: its energy balance is
+/// not a result. Non-finite values and lost grains still stop it.
+[[nodiscard]] Scene packing_scene(const Scene& scene);
+
 /// MPI processes of the host while these grains come to rest: the scene's, or two for 20 000 grains and more
 /// where the scene asks for one, mpirun is there, and grains are spheres on this machine's own host.
 [[nodiscard]] int packing_ranks(const Scene& scene, const dem::Grains& grains);
@@ -25,9 +30,9 @@ struct SettledGrains : Packing {
 
 /// Packs grains geometrically among the mesh as made, lays them among strands that give way (laying.h), then
 /// lets both come to rest (coming_to_rest.h). The result depends on the scene's turf, grain materials, DEM
-/// options, numerics.seed and step_safety, packing_ranks and the program's version only: equal inputs give
-/// equal bits, from the cache or not. (The cache does not tell ranks apart: a bed that was packed on other
-/// ranks is as good, and is taken.) Velocities are not kept.
+/// options, numerics.seed and step_safety, packing_ranks the mesh, and the way of packing only: equal inputs
+/// give equal bits, from the cache or not. (The cache does not tell ranks apart: a bed that was packed on
+/// other ranks is as good, and is taken.) Velocities are not kept.
 [[nodiscard]] SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                                           const fe::ShellMesh& mesh,
                                           const std::function<void(const std::string&, double)>& on_progress);

@@ -18,7 +18,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 17;
+constexpr std::uint64_t checkpoint_format = 18;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
@@ -115,7 +115,7 @@ Schedule make_schedule(const Scene& scene) {
   return s;
 }
 
-RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
+RunState make_run_state(const Scene& scene, const coupler::Packing* bed, std::uint64_t index,
                         const std::function<void(const std::string&, double)>& on_progress) {
   RunState state;
   state.schedule = make_schedule(scene);
@@ -126,7 +126,8 @@ RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint
   request.effects = state.effects;
   request.rig_bodies = state.rig->bodies();
   request.energy_scale = state.rig->energy_scale();
-  request.grains = grains;
+  if (bed != nullptr) request.grains = &bed->grains;
+  if (bed != nullptr && bed->carpet.position.size() > 0) request.carpet = &bed->carpet;
   request.on_progress = on_progress;
   const bool conditioned = scene.conditioning.on();
   const bool grains_settle = state.schedule.settle != state.schedule.settle_least;

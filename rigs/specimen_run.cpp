@@ -56,7 +56,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-constexpr CheckpointFormat specimen_format{"specimen_format", 4};
+constexpr CheckpointFormat specimen_format{"specimen_format", 5};
 
 /// Where a run stands, beside the test at hand and its simulation.
 struct Tally {

@@ -23,8 +23,8 @@ LiggghtsEngine::Impl::Impl(SharedMemory& shared_memory, int rank)
   lammps->screen = open_screen_ring(report);
 }
 
-/// x(t), v(t - dt/2), own forces at t: before the last substep's closing half kick they are published, before
-/// the others' the window's load is added.
+/// x(t), v(t - dt/2), own forces at t. After the last substep they are published; the window's load on grains
+/// comes with the next. After the others grains step on.
 void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int count, int*, double**,
                                     double** external) {
   auto& engine = *static_cast<Impl*>(self);
@@ -33,7 +33,7 @@ void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int 
   if (!engine.stepping) return;
   const auto start = Clock::now();
   if (++engine.substep < engine.shared.substeps) {
-    engine.kick(true);
+    engine.step_grains(true);
   } else {
     engine.clumps->clear_forces();  // of the kick before; LIGGGHTS sums their own after this
     engine.publish_state();
@@ -41,21 +41,12 @@ void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int 
   engine.callback_seconds += seconds_since(start);
 }
 
-/// The half kick that the pair forces have made already must be half of the new step.
+/// Spheres make their whole kick with the step that comes; of clumps the half kick that the pair forces have
+/// made already must be half of it.
 void LiggghtsEngine::Impl::set_step(double step) {
   auto* const update = lammps->update;
   if (step == update->dt) return;
-  if (started) {
-    auto* const atom = lammps->atom;
-    const double change = 0.5 * (step - update->dt);
-    change_clump_step(change);
-    for (int a = 0; a < atom->nlocal; ++a) {
-      if (clumps->of_atom(a) >= 0) continue;
-      const double mass = atom->rmass[a], inertia = 0.4 * mass * atom->radius[a] * atom->radius[a];
-      store3(atom->v[a], load3(atom->v[a]) + change / mass * load3(atom->f[a]));
-      store3(atom->omega[a], load3(atom->omega[a]) + change / inertia * load3(atom->torque[a]));
-    }
-  }
+  if (started) change_clump_step(0.5 * (step - update->dt));
   update->update_time();
   update->dt = step;
   update->integrate->reset_dt();
@@ -64,7 +55,7 @@ void LiggghtsEngine::Impl::set_step(double step) {
   clumps->take_step();
 }
 
-/// First pair forces, from positions and velocities alone, and the half kick they make.
+/// First pair forces, from positions and velocities alone, and the half kick of clumps that they make.
 void LiggghtsEngine::Impl::start() {
   take_velocities();
   command("run 0 post no");
@@ -112,7 +103,7 @@ void LiggghtsEngine::advance() {
   RankState& report = my.report;
   report.impulse_received = report.impulse_scale = {};
   report.pair_work = report.contact_work = report.damping_work = 0;
-  my.kick(false);
+  my.step_grains(false);
   const double kick_seconds = seconds_since(kicking);
 
   my.stepping = true;
