@@ -9,9 +9,8 @@
 /// pairs); what the bench spends on
 /// the forces of the bridged bed's walls is not counted (in a run that is the coupler's contact). counter
 /// `share_of_processor`: the same in processor time of driver and host, where time that others take on a
-/// shared machine does not count, nor waiting for each other. counter `kicks`: of the bridged steps, the
-/// share of what the driver's and the host's clocks book as outside LIGGGHTS' own steps, which besides the
-/// exchange is gravity, contact forces and the sums of energy.
+/// shared machine does not count, nor waiting for each other. counter `booked`: of the bridged steps, the
+/// share of what a run books as exchange: copies of loads and state, and signals.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -141,11 +140,11 @@ void measure(benchmark::State& state, double side, int steps) {
   if (!bed) bed = std::make_unique<Bed>(side);
   set_threads(static_cast<int>(state.range(0)));
   std::vector<double> wall, processor, bridged_times;
-  double kicks = 0, host = 0;
+  double booked = 0, host = 0;
   for (auto _ : state) {
     bed->begin_pair();
     const DemInfill& infill = bed->infill();
-    kicks -= infill.exchange_seconds(), host -= infill.waiting_seconds();
+    booked -= infill.exchange_seconds(), host -= infill.waiting_seconds();
     std::vector<double> wall_of_turns, processor_of_turns;
     for (int turn = 0; turn < turns; ++turn) {
       const bench::Seconds alone = bed->advance_alone(steps), bridged = bed->advance(steps);
@@ -155,7 +154,7 @@ void measure(benchmark::State& state, double side, int steps) {
     }
     wall.push_back(median(wall_of_turns));
     processor.push_back(median(processor_of_turns));
-    kicks += infill.exchange_seconds(), host += infill.waiting_seconds();
+    booked += infill.exchange_seconds(), host += infill.waiting_seconds();
   }
   const DemInfill& infill = bed->infill();
   const auto grains = static_cast<double>(infill.particles().size());
@@ -163,7 +162,7 @@ void measure(benchmark::State& state, double side, int steps) {
   state.counters["share_least"] = *std::min_element(wall.begin(), wall.end());
   state.counters["share_most"] = *std::max_element(wall.begin(), wall.end());
   state.counters["share_of_processor"] = median(processor);
-  state.counters["kicks"] = kicks / (kicks + host);
+  state.counters["booked"] = booked / (booked + host);
   state.counters["grains"] = grains;
   state.counters["coordination"] = 2.0 * static_cast<double>(infill.overlaps().contacts) / grains;
   state.counters["particle_steps_per_second"] = grains * steps / median(bridged_times);

@@ -120,8 +120,8 @@ struct RankState {
   // The last window.
   std::array<double, 3> impulse_received{};  ///< N s, summed over grains and substeps as added to the forces
   std::array<double, 3> impulse_scale{};     ///< N s, the same with absolute values
-  double run_seconds = 0;                    ///< wall time inside LIGGGHTS' steps, kicks and copies excluded
-  double copy_seconds = 0;                   ///< wall time of kicks and copies in the host
+  double run_seconds = 0;                    ///< wall time of the steps, copies excluded
+  double copy_seconds = 0;                   ///< wall time of copies in the host
   double pair_work = 0;                      ///< J in the window: of grain-grain forces and torques
   double contact_work = 0;                   ///< of the contact impulses
   double damping_work = 0;                   ///< of the damping (never positive)

@@ -52,7 +52,7 @@ struct LiggghtsEngine::Impl {
   bool started = false;
   bool stepping = false;               // callbacks outside `advance` (set-ups) only look away
   std::int64_t substep = 0;            // of the window under way
-  double callback_seconds = 0;         // of the window under way
+  double copy_seconds = 0;             // of the window under way
   std::string trouble;                 // found in a callback, thrown when LIGGGHTS has returned
   std::map<std::size_t, Vec3> parked;  // grains that have left, and where: they are elsewhere in LIGGGHTS
   std::unique_ptr<Clumps> clumps;      // from set_up on
