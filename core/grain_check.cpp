@@ -191,7 +191,7 @@ void complete_contact(DemOptions& dem, const CleggRig& rig, const Places& places
   }
 }
 
-/// A host that listens on another machine: where, and that it is one process.
+/// A host that listens on another machine: where.
 void check_host(const DemOptions& dem, const Places& places) {
   constexpr std::string_view scheme = "tcp://";
   if (!dem.host.starts_with(scheme)) return;
@@ -204,9 +204,6 @@ void check_host(const DemOptions& dem, const Places& places) {
     places.fail(
         "infill.dem.host",
         "is no address; give it as \"tcp://machine:port\", with the port that liggghts_host listens on");
-  if (dem.ranks > 1)
-    places.fail("infill.dem.ranks",
-                "a host on another machine is one process; use 1 rank, or leave out infill.dem.host");
 }
 
 /// What clumps cannot be combined with.

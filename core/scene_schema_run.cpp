@@ -67,7 +67,7 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
   keys.text(
       {"host", "path of liggghts_host; tcp://machine:port of one that listens; empty: beside the program"},
       dem.host);
-  keys.integer({"ranks", "MPI processes of liggghts_host on this machine"}, dem.ranks, Range{1, 256});
+  keys.integer({"ranks", "MPI processes of liggghts_host, all on its machine"}, dem.ranks, Range{1, 256});
   keys.number({"overlap_limit",
                "of two grains over the smaller radius, looked at with each history row from the release of "
                "the rig on: beyond it the run stops; 0: none"},

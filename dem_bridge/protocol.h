@@ -14,7 +14,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 8;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 9;                 ///< raise with every change of this file
 
 /// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
 /// forces when that calls it.
@@ -140,7 +140,7 @@ struct RankState {
   double stored_energy =
       0;  ///< J, elastic, in grain-grain contacts; on request, or as of a window's last kick
   /// By pair_place: the largest overlap over the smaller radius, seen whenever stored_energy was summed up in
-  /// a kick. The driver sets it back.
+  /// a kick. The driver sets it back; over a network the host does, once it has told.
   std::array<double, largest_pairs> overlap_largest{};
 
   // Host's own words: ring of the last characters LIGGGHTS printed. Readable after any kind of death.

@@ -17,22 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Processes that the process has started, and theirs.
-std::vector<int> descendants(int process) {
-  std::vector<int> found;
-  const std::string task = "/proc/" + std::to_string(process) + "/task/";
-  std::error_code ended;
-  for (const auto& thread : fs::directory_iterator(task, ended)) {
-    std::ifstream children(thread.path() / "children");
-    for (int child = 0; children >> child;) {
-      found.push_back(child);
-      const auto below = descendants(child);
-      found.insert(found.end(), below.begin(), below.end());
-    }
-  }
-  return found;
-}
-
 class Ranks : public Traces {
  protected:
   Ranks() {
@@ -158,7 +142,8 @@ TEST_F(Ranks, KillingOneIsAClearErrorAndEndsAll) {
   ::kill(all.back(), SIGKILL);
   const std::string message = message_of<RunError>([&] { advance(*infill, 1); });
   EXPECT_TRUE(is_one_line(message)) << message;
-  EXPECT_NE(message.find("liggghts_host"), std::string::npos) << message;
+  EXPECT_NE(message.find("liggghts_host ended with exit code"), std::string::npos) << message;
+  EXPECT_NE(message.find("exited on signal 9 (Killed)"), std::string::npos) << message;
   for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
 }
 
