@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <list>
+#include <optional>
 
 #include "app/micro_tables.h"
 #include "app/report_data.h"
@@ -17,7 +19,7 @@ namespace {
 
 struct MicroArguments {
   std::string folder, csv;
-  int frame = -1;
+  std::vector<int> frames;  ///< none: the last; one, or one for each run
   bool checkpoint = false;
   std::string out, cell, width, host;  ///< for the checkpoint
   int threads = -1;
@@ -39,16 +41,16 @@ MicroMoment read_moment(const Path& file, std::size_t frame, std::string source)
   return moment;
 }
 
-MicroMoment read_frame(const Path& folder, int wanted) {
+MicroMoment read_frame(const Path& folder, std::optional<int> wanted) {
   const std::size_t frames = recorded_frames(folder);
   if (frames == 0)
     throw_input_error(
         "{}: this run recorded neither contacts nor fields with its frames; leave --frame out for those of "
         "its checkpoint, or run its scene with --set output.micro.contacts=true",
         folder.string());
-  if (wanted >= static_cast<int>(frames))
-    throw_input_error("{}: there is no frame {}; the last is {}", folder.string(), wanted, frames - 1);
-  const std::size_t frame = wanted < 0 ? frames - 1 : static_cast<std::size_t>(wanted);
+  const std::size_t frame = wanted ? static_cast<std::size_t>(*wanted) : frames - 1;
+  if (frame >= frames)
+    throw_input_error("{}: there is no frame {}; the last is {}", folder.string(), frame, frames - 1);
   return read_moment(folder / "run.h5", frame, fmt::format("frame {}", frame));
 }
 
@@ -127,12 +129,17 @@ int micro_scale(const MicroArguments& arguments) {
     if (folders.size() != 1) throw_input_error("--out wants the folder of one run");
     rigs::check_run_folder(arguments.out);
   }
+  if (arguments.frames.size() > std::max(std::size_t{1}, folders.size()))
+    throw_input_error("--frame: {} frames for {}; give one, or one for each run of a comparison",
+                      arguments.frames.size(), folders.size() == 1 ? "one run" : "two runs");
   std::vector<MicroMoment> moments;
   std::list<dem::ScratchFolder> scratch;
-  for (const Path& folder : folders) {
-    const bool of_checkpoint = arguments.checkpoint || (arguments.frame < 0 && recorded_frames(folder) == 0);
-    if (!of_checkpoint) {
-      moments.push_back(read_frame(folder, arguments.frame));
+  for (std::size_t k = 0; k < folders.size(); ++k) {
+    const Path& folder = folders[k];
+    std::optional<int> frame;
+    if (!arguments.frames.empty()) frame = arguments.frames[std::min(k, arguments.frames.size() - 1)];
+    if (!arguments.checkpoint && (frame || recorded_frames(folder) > 0)) {
+      moments.push_back(read_frame(folder, frame));
       continue;
     }
     check_checkpoint(folder, arguments);
@@ -163,8 +170,12 @@ void register_micro(CLI::App& program, Action& action) {
   verb->add_option("DIR", arguments->folder, "folder of a run, or of a comparison")->required();
   CLI::Option* frame =
       verb->add_option(
-              "--frame", arguments->frame,
-              "which frame, from 0; if left out the last, or the checkpoint of a run that recorded none")
+              "--frame", arguments->frames,
+              "which frame, from 0; of a comparison one for both runs, or one for each, as 12,17; if "
+              "left out the last, or the checkpoint of a run that recorded none")
+          ->type_name("N[,M]")
+          ->delimiter(',')
+          ->allow_extra_args(false)
           ->check(CLI::NonNegativeNumber);
   CLI::Option* checkpoint =
       verb->add_flag(

@@ -119,6 +119,18 @@ TEST_F(MicroOfAComparison, PrintsMeansDifferenceAndCorrelationOfWhatBothFilesHol
   }
 }
 
+/// Tests that are driven by strain reach a load at frames of their own.
+TEST_F(MicroOfAComparison, IsMadeAtAFrameOfEachRunWhereTwoAreGiven) {
+  const Outcome both = run_tuft({"micro", folder_, "--frame", "3,5"}),
+                sph = run_tuft({"micro", of("sph"), "--frame", "3"}),
+                dem = run_tuft({"micro", "--frame", "5", of("dem")});
+  ASSERT_EQ(both.exit_code, 0) << both.error;
+  EXPECT_EQ(both.out.rfind(sph.out + dem.out, 0), 0u);
+  expect_bad_input(run_tuft({"micro", folder_, "--frame", "3,5,7"}), {"--frame", "3 frames for two runs"});
+  expect_bad_input(run_tuft({"micro", of("sph"), "--frame", "3,5"}), {"--frame", "2 frames for one run"});
+  expect_bad_input(run_tuft({"micro", of("sph"), "--frame", "-1"}), {"--frame"});
+}
+
 /// Summed over the grid, mass is that of the infill (to a share of it that a lattice or grains are off by);
 /// and at rest stress times volume is the force on the plate times its height.
 void expect_mass_and_force(const std::string& printed, const std::string& folder, double mass_error) {
@@ -150,7 +162,7 @@ void expect_mass_and_force(const std::string& printed, const std::string& folder
   // Rows of SPH have their last half beyond their centres, in the plates' reach.
   const double plate = group.open_group("frames").read_row("bodies/upper_plate/position", frame).at(2),
                reach = sph ? 0.5 * scene.infill.sph.pitch : 0;
-  EXPECT_NEAR(stress / (force[at] * (plate - reach)), 1, 0.03) << folder;
+  EXPECT_NEAR(stress / (force[at] * (plate - reach)), 1, 0.05) << folder;
 }
 
 TEST_F(MicroOfAComparison, HasTheMassOfTheSpecimenAndTheForceOfThePlateOnBothSides) {
