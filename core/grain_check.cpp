@@ -208,15 +208,9 @@ void check_host(const DemOptions& dem, const Places& places) {
 
 /// What clumps cannot be combined with.
 void check_clumps_run(const Scene& scene, const Places& places) {
-  if (!effect_on(decide_effects(scene), "clumps")) return;
-  if (scene.infill.dem.ranks > 1)
+  if (scene.infill.dem.ranks > 1 && effect_on(decide_effects(scene), "clumps"))
     places.fail("infill.dem.ranks",
                 "clumps of grains need one process; use 1 rank, or effects.clumps = false");
-  if (scene.output.micro.contacts || scene.output.micro.fields)
-    places.fail(
-        scene.output.micro.contacts ? "output.micro.contacts" : "output.micro.fields",
-        "forces within clumps of grains are not known, so neither is their stress; set this to false, or "
-        "effects.clumps = false");
 }
 
 }  // namespace

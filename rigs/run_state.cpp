@@ -202,12 +202,13 @@ std::uint64_t read_checkpoint_index(const std::filesystem::path& path, const Sce
   }
 }
 
-std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path, const Scene& scene) {
+std::optional<coupler::Packing> read_checkpoint_bed(const std::filesystem::path& path, const Scene& scene) {
   const h5::File file = open_checkpoint(path, scene);
   if (!file.root().has("grains")) return std::nullopt;
   try {
     const h5::Group group = file.root().open_group("grains");
-    dem::Grains grains;
+    coupler::Packing bed;
+    dem::Grains& grains = bed.grains;
     grains.position = {group.read_doubles("x"), group.read_doubles("y"), group.read_doubles("z")};
     grains.radius = group.read_doubles("radius");
     grains.layer = group.read_ints("layer");
@@ -228,7 +229,7 @@ std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& p
         h5::refuse(group, "material", fmt::format("[{}] is \"{}\", not a grain", k, material.name));
       grains.density.push_back(material.grain->density);
     }
-    return grains;
+    return bed;
   } catch (const RunError& error) {
     throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
                       path.string(), error.what());

@@ -66,9 +66,10 @@ struct CheckpointRest {
   SpentSoFar spent;
 };
 /// Grains as they stand in a DEM checkpoint's frame of reference are in the state itself; a fresh DEM infill
-/// only needs as many grains, with their radii: read from here before the state is built. Empty for SPH.
-[[nodiscard]] std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path,
-                                                                const Scene& scene);
+/// only needs as many grains, with their radii: read from here before the state is built, without a carpet's
+/// shape, which is in the state too. Empty for SPH.
+[[nodiscard]] std::optional<coupler::Packing> read_checkpoint_bed(const std::filesystem::path& path,
+                                                                  const Scene& scene);
 /// Throws InputError for a file that is missing, truncated, or of another scene.
 CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state);
 

@@ -167,10 +167,6 @@ TEST(SceneMistakes, WhatClumpsCannotBeCombinedWithIsNamed) {
   EXPECT_THAT(
       complaint(clumps + "[infill.dem]\nranks = 2\n", dem),
       AllOf(StartsWith("a.toml:27: infill.dem.ranks: 2"), HasSubstr("clumps of grains need one process")));
-  EXPECT_THAT(
-      complaint(clumps + "[output.micro]\ncontacts = true\n", dem),
-      AllOf(StartsWith("a.toml:27: output.micro.contacts: true"), HasSubstr("effects.clumps = false")));
-  EXPECT_THAT(complaint(clumps + "[output.micro]\nfields = true\n", dem), HasSubstr("output.micro.fields"));
   const Overrides off{{"infill.approach", "dem"}, {"effects.clumps", "false"}};
   EXPECT_NO_THROW((void)read_scene_text(clumps + "[infill.dem]\nranks = 2\n", "a.toml", off));
   EXPECT_THAT(complaint(good, {{"infill.approach", "dem"}, {"effects.clumps", "true"}}),

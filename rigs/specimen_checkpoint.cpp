@@ -1,0 +1,35 @@
+#include "rigs/specimen_checkpoint.h"
+
+#include <vector>
+
+#include "core/checkpoint_values.h"
+
+namespace tuft::rigs {
+
+void write_tally(h5::Group& root, const SpecimenTally& tally) {
+  root.write_scalar("test", tally.test);
+  root.write_scalar("row", tally.row);
+  root.write_scalar("steps_before", tally.steps_before);
+  root.write_scalar("particle_steps_before", tally.particle_steps_before);
+  const std::vector<double> numbers{tally.time_before,   tally.energy_error, tally.momentum_error,
+                                    tally.kinetic_share, tally.most_kinetic, tally.most_work};
+  root.write("numbers", std::span<const double>(numbers));
+}
+
+SpecimenTally read_tally(const h5::Group& root, std::size_t tests) {
+  SpecimenTally tally;
+  tally.test = h5::read_count(root, "test", static_cast<double>(tests) - 1);
+  tally.row = h5::read_count(root, "row");
+  tally.steps_before = h5::read_count(root, "steps_before");
+  tally.particle_steps_before = h5::read_count(root, "particle_steps_before");
+  const std::vector<double> numbers = h5::read_checked(root, "numbers", 6);
+  tally.time_before = numbers[0];
+  tally.energy_error = numbers[1];
+  tally.momentum_error = numbers[2];
+  tally.kinetic_share = numbers[3];
+  tally.most_kinetic = numbers[4];
+  tally.most_work = numbers[5];
+  return tally;
+}
+
+}  // namespace tuft::rigs
