@@ -107,6 +107,30 @@ TEST_P(MicroOfACheckpoint, IsTakenFromARunThatRecordedNothingAndChangesNothingTh
   expect_bad_input(run_tuft({"micro", folder_, "--checkpoint", "--out", folder_}), {"already holds a run"});
 }
 
+/// There SPH infill is made of spheres.
+TEST(Micro, OfACheckpointUnderTheConditioningPlateIsThatOfTheFrameOfItsMoment) {
+  const Workplace place;
+  const Words pressed{"--set",
+                      "conditioning.method=compaction",
+                      "--set",
+                      "conditioning.press_time=2 ms",
+                      "--set",
+                      "conditioning.lift_time=1 ms",
+                      "--set",
+                      "conditioning.settle_time=1 ms",
+                      "--set",
+                      "conditioning.frames=0.4 ms",
+                      "--stop-after-checkpoints",
+                      "2"};
+  const Outcome run = recorded_run(place.path("run"), {looking, pressed});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Outcome frame = run_tuft({"micro", place.path("run")}),
+                checkpoint = run_tuft({"micro", place.path("run"), "--checkpoint"});
+  EXPECT_EQ(first_line(checkpoint), "sph, checkpoint at -3.600 ms");
+  EXPECT_EQ(first_line(frame), "sph, frame 2 at -3.600 ms");
+  EXPECT_EQ(tables(frame), tables(checkpoint));
+}
+
 TEST(Micro, OfACheckpointTakesAnotherGrid) {
   const Workplace place;
   ASSERT_EQ(recorded_run(place.path("run"), {}).exit_code, 0);
