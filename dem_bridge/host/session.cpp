@@ -111,7 +111,7 @@ class Session {
       throw std::runtime_error(
           fmt::format("protocol version {} expected, {} found: host and program are of different builds",
                       protocol_version, wanted.version));
-    std::ofstream{served};
+    const std::ofstream mark(served);
     if (wanted.ranks == 1) {
       host_ = start_own_liggghts(wanted.grains);
       return;

@@ -31,6 +31,13 @@ class NetworkRanks : public Network {
       if (name_of(process) == "liggghts_host") ranks.push_back(process);
     return ranks;
   }
+  /// As on a machine with other programs.
+  void listen_with_path(const std::string& other) {
+    const std::string path = std::getenv("PATH") == nullptr ? "" : std::getenv("PATH");
+    ::setenv("PATH", other.c_str(), 1);
+    listen();
+    ::setenv("PATH", path.c_str(), 1);
+  }
   static void expect_gone(const std::vector<int>& processes) {
     for (const int process : processes) EXPECT_TRUE(gone_within(process, 10.0)) << process << " was left";
   }
@@ -158,11 +165,24 @@ TEST_F(NetworkRanks, AnErrorOfLiggghtsComesWithItsWords) {
   EXPECT_NE(message.find("its last words: ERROR"), std::string::npos) << message;
 }
 
+TEST_F(NetworkRanks, ThatDoNotComeAreEndedWhenTheDriverGivesUp) {
+  const std::filesystem::path mpirun = folder() / "mpirun", note = folder() / "note";
+  std::ofstream(mpirun) << "#!/bin/sh\necho $$ > " << note.string() << "\nexec /bin/sleep 100\n";
+  std::filesystem::permissions(mpirun, std::filesystem::perms::owner_all);
+  listen_with_path(folder().string());
+  settings_.options.answer_timeout = 4;
+  const std::string message = message_of<RunError>([&] { (void)remote(); });
+  EXPECT_NE(message.find("did not answer for 4 s"), std::string::npos) << message;
+  int started = 0;
+  std::ifstream(note) >> started;
+  ASSERT_GT(started, 0) << "nothing is tested";
+  EXPECT_TRUE(gone_within(started, 10.0));
+  std::filesystem::remove(mpirun);
+  std::filesystem::remove(note);
+}
+
 TEST_F(NetworkRanks, WithoutMpirunOnTheHostsMachineSaySo) {
-  const std::string path = std::getenv("PATH") == nullptr ? "" : std::getenv("PATH");
-  ::setenv("PATH", folder().c_str(), 1);
-  listen();
-  ::setenv("PATH", path.c_str(), 1);
+  listen_with_path(folder().string());
   const std::string message = message_of<RunError>([&] { (void)remote(); });
   EXPECT_TRUE(is_one_line(message)) << message;
   EXPECT_NE(message.find("there is no mpirun in PATH"), std::string::npos) << message;
