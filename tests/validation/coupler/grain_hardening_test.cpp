@@ -46,7 +46,9 @@ double peak_of(const char* what, const char* seed, const Overrides& more) {
   std::printf("seed %s, %s: %.1f g on %.1f mm\n", seed, what, peak,
               1e3 * s.notes.at("bed_released_depth").value);
   EXPECT_EQ(s.notes.at("bed_at_rest").value, 1);
-  if (!more.empty()) EXPECT_EQ(s.notes.at("conditioning_stays").value, 1);
+  if (!more.empty()) {
+    EXPECT_EQ(s.notes.at("conditioning_stays").value, 1);
+  }
   return peak;
 }
 
