@@ -34,12 +34,15 @@ TimeTable read_time_table(const h5::Group& root, const std::string& name) {
   return table;
 }
 
+/// As the rig finds it, from the release on.
 std::optional<double> find_touch(const TimeTable& history, double touch_force) {
   if (!history.has("contact_force")) return std::nullopt;
   const std::vector<double>& force = history.at("contact_force");
   rigs::TouchClock clock(touch_force);
-  for (std::size_t i = 0; i < force.size(); ++i) clock.sample(history.time[i] >= 0 ? force[i] : 0.0);
-  return clock.touched() ? std::optional(history.time[clock.touch()]) : std::nullopt;
+  const auto released =
+      static_cast<std::size_t>(std::ranges::lower_bound(history.time, 0.0) - history.time.begin());
+  for (std::size_t i = released; i < force.size(); ++i) clock.sample(force[i]);
+  return clock.touched() ? std::optional(history.time[released + clock.touch()]) : std::nullopt;
 }
 
 void read_records(RunData& run) {
@@ -50,7 +53,6 @@ void read_records(RunData& run) {
   run.energy = read_time_table(root, "energy");
   if (root.has("frames") && root.open_group("frames").has("time"))
     run.frame_times = root.open_group("frames").read_doubles("time");
-  run.touch_time = find_touch(run.history, run.scene ? run.scene->rig.clegg.touch_force : 0.0);
 }
 
 }  // namespace
@@ -73,6 +75,7 @@ RunData read_run(const std::filesystem::path& folder) {
   }
   if (!run.scene && std::filesystem::exists(folder / "scene.toml", ignored))
     run.scene = rigs::read_run_scene(folder);
+  if (run.scene) run.touch_time = find_touch(run.history, run.scene->rig.clegg.touch_force);
   // Of a specimen its material tells more than the approach.
   if (run.scene && run.scene->rig.is_specimen())
     run.label = run.scene->materials.at(static_cast<std::size_t>(run.scene->rig.specimen.material)).name;

@@ -3,132 +3,107 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <list>
 #include <optional>
 
-#include "app/number_format.h"
+#include "app/micro_tables.h"
 #include "app/report_data.h"
-#include "app/text_table.h"
 #include "app/verbs.h"
 #include "core/error.h"
-#include "coupler/micro_reader.h"
-#include "micro_scale/field_comparison.h"
-#include "micro_scale/network_statistics.h"
+#include "dem_bridge/scratch_folder.h"
+#include "rigs/checkpoint_moment.h"
+#include "rigs/run_folder.h"
 
 namespace tuft::app {
 namespace {
 
 struct MicroArguments {
   std::string folder, csv;
-  int frame = -1;
+  std::vector<int> frames;  ///< none: the last; one, or one for each run
+  bool checkpoint = false;
+  std::string out, cell, width, host;  ///< for the checkpoint
+  int threads = -1;
 };
 
-/// One run at one of its frames.
-struct Look {
-  std::string name;
-  h5::Group root;
-  std::size_t frame = 0;
-  std::optional<ContactNetwork> network;
-  std::optional<coupler::RecordedFields> fields;
-};
+using Path = std::filesystem::path;
 
-Look look_at(const std::filesystem::path& folder, int frame) {
-  if (!std::filesystem::exists(folder / "run.h5"))
-    throw_input_error("{}: not the folder of a run: it holds no run.h5; give a folder that `tuft run` wrote",
-                      folder.string());
-  const h5::Group root = h5::File::open(folder / "run.h5").root();
-  const std::size_t frames = coupler::micro_frames(root);
+std::size_t recorded_frames(const Path& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder / "run.h5", ignored)) return 0;
+  return coupler::micro_frames(h5::File::open(folder / "run.h5").root());
+}
+
+MicroMoment read_moment(const Path& file, std::size_t frame, std::string source) {
+  const h5::Group root = h5::File::open(file).root();
+  MicroMoment moment{root.attribute("approach"), std::move(source), root, frame, {}, {}};
+  if (coupler::has_contacts(root)) moment.network = coupler::read_contacts(root, frame);
+  if (coupler::has_fields(root)) moment.fields = coupler::read_fields(root, frame);
+  return moment;
+}
+
+MicroMoment read_frame(const Path& folder, std::optional<int> wanted) {
+  const std::size_t frames = recorded_frames(folder);
   if (frames == 0)
     throw_input_error(
-        "{}: this run recorded neither contacts nor fields; run its scene with --set "
-        "output.micro.contacts=true, "
-        "or with --set output.micro.fields=true",
+        "{}: this run recorded neither contacts nor fields with its frames; leave --frame out for those of "
+        "its checkpoint, or run its scene with --set output.micro.contacts=true",
         folder.string());
-  if (frame >= static_cast<int>(frames))
+  const std::size_t frame = wanted ? static_cast<std::size_t>(*wanted) : frames - 1;
+  if (frame >= frames)
     throw_input_error("{}: there is no frame {}; the last is {}", folder.string(), frame, frames - 1);
-  Look look{
-      root.attribute("approach"), root, frame < 0 ? frames - 1 : static_cast<std::size_t>(frame), {}, {}};
-  if (coupler::has_contacts(root)) look.network = coupler::read_contacts(root, look.frame);
-  if (coupler::has_fields(root)) look.fields = coupler::read_fields(root, look.frame);
-  return look;
+  return read_moment(folder / "run.h5", frame, fmt::format("frame {}", frame));
 }
 
-std::string number(double value) {
-  return fmt::format("{:.4g}", value);
+/// The scene of a run, that it may be restored, and what is recorded of the moment: all.
+struct MomentScenes {
+  Scene of_run, recorded;
+};
+
+MomentScenes read_scenes(const Path& folder, const MicroArguments& arguments) {
+  const auto text = [](const std::string& value) { return fmt::format("\"{}\"", value); };
+  Overrides host;
+  if (!arguments.host.empty()) host.emplace_back("infill.dem.host", text(arguments.host));
+  Overrides all = host;
+  all.emplace_back("output.micro.contacts", "true");
+  all.emplace_back("output.micro.fields", "true");
+  if (!arguments.cell.empty()) all.emplace_back("output.micro.cell", text(arguments.cell));
+  if (!arguments.width.empty()) all.emplace_back("output.micro.width", text(arguments.width));
+  MomentScenes scenes{rigs::read_run_scene(folder, host), {}};
+  if (scenes.of_run.rig.is_component())
+    throw_input_error("{}: the rig {} has no infill, so there are neither contacts nor fields of it",
+                      folder.string(), scenes.of_run.rig.type);
+  scenes.recorded = rigs::read_run_scene(folder, all);
+  if (arguments.threads >= 0) scenes.of_run.numerics.threads = arguments.threads;
+  return scenes;
 }
 
-/// Of SPH, whose particles have no contacts with each other, the numbers of contacts alone.
-void print_statistics(const Look& look) {
-  TextTable table;
-  const auto& kinds = look.network->kind;
-  const bool between_particles = std::find(kinds.begin(), kinds.end(), ContactKind::grain) != kinds.end();
-  for (const micro::NamedValue& value :
-       micro::named_values(micro::describe_network(*look.network, coupler::particle_count(look.root))))
-    if (between_particles || value.name.starts_with("contacts_"))
-      table.add({value.name, number(value.value), value.unit == "1" ? "" : value.unit});
-  fmt::print("\ncontacts\n{}", table.text());
-  if (!between_particles) return;
-  constexpr double width = 0.5;
-  const std::vector<double> density = micro::force_distribution(*look.network, 12, width);
-  TextTable distribution({"normal force over mean", "probability density"});
-  for (std::size_t bin = 0; bin < density.size(); ++bin)
-    distribution.add({fmt::format("{:.1f} to {:.1f}", width * static_cast<double>(bin),
-                                  width * static_cast<double>(bin + 1)),
-                      number(density[bin])});
-  fmt::print("\nforces between particles\n{}", distribution.text());
+/// Goes by way of a file that is laid out as run.h5, so that it is the same to look at this moment as at a
+/// frame.
+MicroMoment take_from_checkpoint(const Path& folder, const MicroArguments& arguments, const Path& into) {
+  const MomentScenes scenes = read_scenes(folder, arguments);
+  rigs::record_moment(rigs::restore_checkpoint(folder, scenes.of_run), scenes.recorded, into);
+  return read_moment(into / "run.h5", 0, "checkpoint");
 }
 
-void print_profile(const Look& look) {
-  const auto& [grid, width, values] = *look.fields;
-  const auto column = [&](const char* field, std::size_t components, std::size_t component) {
-    return micro::profile(grid, values.at(field), components, component);
-  };
-  const std::vector<double> density = column("density", 1, 0), speed = column("velocity", 3, 2),
-                            vertical = column("stress", 9, 8), along = column("stress", 9, 0);
-  const bool knows_porosity = values.contains("porosity");
-  const std::vector<double> porosity = knows_porosity ? column("porosity", 1, 0) : std::vector<double>{};
-  TextTable table(
-      {"height mm", "density kg/m^3", "porosity", "velocity z m/s", "stress zz Pa", "stress xx Pa"});
-  for (std::size_t k = density.size(); k-- > 0;)
-    table.add({fmt::format("{:.1f}", 1e3 * grid.centre(0, 0, static_cast<int>(k)).z()), number(density[k]),
-               knows_porosity ? number(porosity[k]) : "-", number(speed[k]), number(vertical[k]),
-               number(along[k])});
-  fmt::print("\nfields by height, means over the patch (coarse-graining width {:.1f} mm)\n{}", 1e3 * width,
-             table.text());
+void check_checkpoint(const Path& folder, const MicroArguments& arguments) {
+  std::error_code ignored;
+  if (std::filesystem::exists(folder / "checkpoint.h5", ignored)) return;
+  if (!std::filesystem::exists(folder / "scene.toml", ignored))
+    throw_input_error(
+        "{}: not the folder of a run: it holds no scene.toml; give a folder that `tuft run` wrote",
+        folder.string());
+  throw_input_error(
+      "{}: {}no checkpoint to take contacts and fields from; run its scene with output.checkpoint_every "
+      "above "
+      "0, or with --set output.micro.contacts=true",
+      folder.string(), arguments.checkpoint ? "" : "this run recorded neither contacts nor fields, and has ");
 }
 
-/// Cell by cell, where both have infill.
-void print_comparison(const Look& a, const Look& b) {
-  const auto &one = *a.fields, &two = *b.fields;
-  if (one.grid.cells != two.grid.cells || one.grid.low != two.grid.low ||
-      one.grid.spacing != two.grid.spacing)
-    throw_input_error("the two runs have different grids and cannot be compared cell by cell");
-  constexpr double least_filled = 0.1;
-  const std::vector<char> taken =
-      micro::filled_in_both(one.values.at("density"), two.values.at("density"), least_filled);
-  struct Row {
-    const char *title, *field;
-    std::size_t components, component;
-  };
-  constexpr Row rows[] = {{"density kg/m^3", "density", 1, 0},  {"porosity", "porosity", 1, 0},
-                          {"velocity z m/s", "velocity", 3, 2}, {"stress xx Pa", "stress", 9, 0},
-                          {"stress yy Pa", "stress", 9, 4},     {"stress zz Pa", "stress", 9, 8},
-                          {"stress xz Pa", "stress", 9, 2}};
-  TextTable table({"field", "mean " + a.name, "mean " + b.name, "rms difference", "relative", "correlation"});
-  std::size_t cells = 0;
-  for (const Row& row : rows) {
-    if (!one.values.contains(row.field) || !two.values.contains(row.field)) continue;
-    const auto pick = [&](const coupler::RecordedFields& fields) {
-      const std::vector<double>& all = fields.values.at(row.field);
-      std::vector<double> picked;
-      for (std::size_t c = row.component; c < all.size(); c += row.components) picked.push_back(all[c]);
-      return picked;
-    };
-    const micro::FieldComparison result = micro::compare_fields(pick(one), pick(two), taken);
-    cells = result.cells;
-    table.add({row.title, number(result.mean_a), number(result.mean_b), number(result.difference),
-               number(result.relative), number(result.correlation)});
-  }
-  fmt::print("\ncell by cell, over the {} cells in which both have infill\n{}", cells, table.text());
+void make_folder(const Path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure)
+    throw_input_error("{}: cannot be created: {}; choose another --out", folder.string(), failure.message());
 }
 
 void write_csv(const std::string& path, const ContactNetwork& network) {
@@ -149,22 +124,38 @@ void write_csv(const std::string& path, const ContactNetwork& network) {
 }
 
 int micro_scale(const MicroArguments& arguments) {
-  std::vector<Look> looks;
-  for (const std::filesystem::path& folder : expand_run_folders({arguments.folder}))
-    looks.push_back(look_at(folder, arguments.frame));
+  const std::vector<Path> folders = expand_run_folders({arguments.folder});
+  if (!arguments.out.empty()) {
+    if (folders.size() != 1) throw_input_error("--out wants the folder of one run");
+    rigs::check_run_folder(arguments.out);
+  }
+  if (arguments.frames.size() > std::max(std::size_t{1}, folders.size()))
+    throw_input_error("--frame: {} frames for {}; give one, or one for each run of a comparison",
+                      arguments.frames.size(), folders.size() == 1 ? "one run" : "two runs");
+  std::vector<MicroMoment> moments;
+  std::list<dem::ScratchFolder> scratch;
+  for (std::size_t k = 0; k < folders.size(); ++k) {
+    const Path& folder = folders[k];
+    std::optional<int> frame;
+    if (!arguments.frames.empty()) frame = arguments.frames[std::min(k, arguments.frames.size() - 1)];
+    if (!arguments.checkpoint && (frame || recorded_frames(folder) > 0)) {
+      moments.push_back(read_frame(folder, frame));
+      continue;
+    }
+    check_checkpoint(folder, arguments);
+    if (!arguments.out.empty()) make_folder(arguments.out);
+    moments.push_back(take_from_checkpoint(
+        folder, arguments, arguments.out.empty() ? scratch.emplace_back().path() : Path(arguments.out)));
+  }
   if (!arguments.csv.empty()) {
-    if (looks.size() != 1 || !looks[0].network)
+    if (moments.size() != 1 || !moments[0].network)
       throw_input_error("--csv wants the folder of one run that recorded its contacts");
-    write_csv(arguments.csv, *looks[0].network);
+    write_csv(arguments.csv, *moments[0].network);
   }
-  for (const Look& look : looks) {
-    fmt::print("{}, frame {} at {:.3f} ms\n", look.name, look.frame,
-               1e3 * coupler::frame_time(look.root, look.frame));
-    if (look.network) print_statistics(look);
-    if (look.fields) print_profile(look);
-    fmt::print("\n");
-  }
-  if (looks.size() == 2 && looks[0].fields && looks[1].fields) print_comparison(looks[0], looks[1]);
+  for (const MicroMoment& moment : moments) print_moment(moment);
+  if (moments.size() == 2 && moments[0].fields && moments[1].fields)
+    print_field_comparison(moments[0], moments[1]);
+  if (!arguments.out.empty()) fmt::print("recorded: {}\n", (Path(arguments.out) / "run.h5").string());
   return 0;
 }
 
@@ -172,12 +163,41 @@ int micro_scale(const MicroArguments& arguments) {
 
 void register_micro(CLI::App& program, Action& action) {
   CLI::App* verb = program.add_subcommand(
-      "micro", "Contacts and coarse-grained fields of a run, or of both of a comparison");
+      "micro",
+      "Contacts and coarse-grained fields of a run, or of both of a comparison, at any of its frames "
+      "that recorded them or at its last checkpoint");
   auto arguments = std::make_shared<MicroArguments>();
   verb->add_option("DIR", arguments->folder, "folder of a run, or of a comparison")->required();
-  verb->add_option("--frame", arguments->frame, "which frame, from 0; the last if left out")
-      ->check(CLI::NonNegativeNumber);
-  verb->add_option("--csv", arguments->csv, "also write the frame's contacts to this file, one a row");
+  CLI::Option* frame =
+      verb->add_option(
+              "--frame", arguments->frames,
+              "which frame, from 0; of a comparison one for both runs, or one for each, as 12,17; if "
+              "left out the last, or the checkpoint of a run that recorded none")
+          ->type_name("N[,M]")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->check(CLI::NonNegativeNumber);
+  CLI::Option* checkpoint =
+      verb->add_flag(
+              "--checkpoint", arguments->checkpoint,
+              "take the moment of the run's last checkpoint, whatever it recorded; changes nothing there")
+          ->excludes(frame);
+  verb->add_option("--csv", arguments->csv, "also write the contacts to this file, one a row");
+  verb->add_option("--out", arguments->out,
+                   "also record that moment there: run.h5, and run.xdmf for ParaView")
+      ->type_name("DIR")
+      ->needs(checkpoint);
+  verb->add_option("--cell", arguments->cell, "edge of a cell, as \"2 mm\", in place of output.micro.cell")
+      ->needs(checkpoint);
+  verb->add_option("--width", arguments->width,
+                   "coarse-graining width, as \"2 mm\", in place of output.micro.width")
+      ->needs(checkpoint);
+  verb->add_option("--threads", arguments->threads, "number of threads; 0: all cores")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(checkpoint);
+  verb->add_option("--host", arguments->host, "another host of the grains, as for tuft resume")
+      ->type_name("HOST")
+      ->needs(checkpoint);
   verb->callback([arguments, &action] { action = [arguments] { return micro_scale(*arguments); }; });
 }
 

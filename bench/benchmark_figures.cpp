@@ -48,6 +48,7 @@ constexpr std::array definitions{
     Definition{"soil_shear_energy", "point-updates/s", "point_updates", Pick::largest},
     Definition{"soil_all_effects", "point-updates/s", "point_updates", Pick::largest},
     Definition{"bridge_overhead_20k", "share of the DEM step", "share", Pick::median},
+    Definition{"bridge_tcp_20k", "times the step with shared memory", "ratio", Pick::median},
     Definition{"bridge_overhead_100k", "share of the DEM step", "share", Pick::median},
 };
 

@@ -6,12 +6,14 @@
 /// An iteration is a new pair of LIGGGHTS processes: where their memory comes to lie changes the speed of
 /// either by as much as the exchange costs, for as long as they live. counter `share`: 1 - t_alone/t_bridged
 /// in wall time, the median of a pair's turns and then of the pairs (`share_least`, `share_most`: of the
-/// pairs); what the bench spends on
-/// the forces of the bridged bed's walls is not counted (in a run that is the coupler's contact). counter
-/// `share_of_processor`: the same in processor time of driver and host, where time that others take on a
-/// shared machine does not count, nor waiting for each other. counter `kicks`: of the bridged steps, the
-/// share of what the driver's and the host's clocks book as outside LIGGGHTS' own steps, which besides the
-/// exchange is gravity, contact forces and the sums of energy.
+/// pairs); what the bench spends on the forces of the bridged bed's walls is not counted (in a run that is
+/// the coupler's contact). counter `share_of_processor`: the same in processor time of driver and host, where
+/// time that others take on a shared machine does not count, nor waiting for each other. counter `booked`: of
+/// the bridged steps, the share of what a run books as exchange: copies of loads and state, and signals.
+///
+/// bridge_tcp_20k: the same bed with a host that listens at 127.0.0.1, in turns with one that shares memory.
+/// counter `ratio`: of the wall times of a step, medians as above (`ratio_least`, `ratio_most`: of the
+/// pairs); `added_ms`: the difference, ms a step.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -21,10 +23,12 @@
 #include <memory>
 #include <numeric>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/liggghts_alone_bed.h"
+#include "bench/listening_host.h"
 #include "core/parallel.h"
 #include "dem_bridge/dem_infill.h"
 
@@ -61,6 +65,7 @@ class Bed {
   /// The settled bed in a new process each; their springs come to rest.
   void begin_pair() {
     alone_.reset();
+    over_network_.reset();
     bridge(resting_steps);
     const std::span<const double> mass = infill_->particles().mass;
     alone_ = std::make_unique<bench::LiggghtsAloneBed>(settled_, materials_[0], settings_, half_, step());
@@ -68,23 +73,29 @@ class Bed {
                                       static_cast<double>(mass.size()));
   }
 
-  /// One step under the walls' forces at its start; returns its time without what the walls cost.
-  bench::Seconds advance() {
-    push_from_walls(step());
-    const double processor = processor_seconds();
-    const auto start = std::chrono::steady_clock::now();
-    infill_->begin_window(step(), 1, false);  // as most windows are: energies are for records
-    infill_->advance(step(), 1, contact_);
-    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-            processor_seconds() - processor};
+  /// The same, through shared memory and through a host that listens.
+  void begin_network_pair() {
+    alone_.reset();
+    bridge(resting_steps);
+    over_network_.reset();
+    listener_ = std::make_unique<bench::ListeningHost>();
+    over_network_ = start(listener_->endpoint());
+    rest(*over_network_, resting_steps);
   }
+
   bench::Seconds advance(int steps) {
     bench::Seconds sum;
     for (int k = 0; k < steps; ++k) {
-      const bench::Seconds one = advance();
+      const bench::Seconds one = advance(*infill_);
       sum.wall += one.wall;
       sum.processor += one.processor;
     }
+    return sum;
+  }
+  /// s of wall time.
+  double advance_over_network(int steps) {
+    double sum = 0;
+    for (int k = 0; k < steps; ++k) sum += advance(*over_network_).wall;
     return sum;
   }
   bench::Seconds advance_alone(int steps) { return alone_->advance(steps); }
@@ -93,10 +104,28 @@ class Bed {
  private:
   void bridge(int damped_steps) {
     infill_.reset();
-    infill_ = std::make_unique<DemInfill>(settled_, materials_, settings_);
-    infill_->set_damping(damping);
-    for (int k = 0; k < damped_steps; ++k) advance();
-    infill_->set_damping(0);
+    infill_ = start("");
+    rest(*infill_, damped_steps);
+  }
+  [[nodiscard]] std::unique_ptr<DemInfill> start(const std::string& host) const {
+    DemSettings settings = settings_;
+    settings.options.host = host;
+    return std::make_unique<DemInfill>(settled_, materials_, settings);
+  }
+  void rest(DemInfill& infill, int steps) {
+    infill.set_damping(damping);
+    for (int k = 0; k < steps; ++k) advance(infill);
+    infill.set_damping(0);
+  }
+  /// One step under the walls' forces at its start; returns its time without what the walls cost.
+  bench::Seconds advance(DemInfill& infill) {
+    push_from_walls(infill, step());
+    const double processor = processor_seconds();
+    const auto start = std::chrono::steady_clock::now();
+    infill.begin_window(step(), 1, false);  // as most windows are: energies are for records
+    infill.advance(step(), 1, contact_);
+    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+            processor_seconds() - processor};
   }
   [[nodiscard]] double step() const { return 0.8 * infill_->stable_step(); }
   [[nodiscard]] double processor_seconds() const {
@@ -108,9 +137,9 @@ class Bed {
     return static_cast<double>(driver.tv_sec + host.tv_sec) +
            1e-9 * static_cast<double>(driver.tv_nsec + host.tv_nsec);
   }
-  void push_from_walls(double window) {
+  void push_from_walls(const DemInfill& infill, double window) {
     constexpr double stiffness = 2e4;  // N/m
-    const ParticleView p = infill_->particles();
+    const ParticleView p = infill.particles();
     contact_.linear.assign(p.size(), 0);
     contact_.angular.assign(p.size(), 0);
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -125,6 +154,8 @@ class Bed {
   DemSettings settings_;
   Grains settled_;
   std::unique_ptr<DemInfill> infill_;
+  std::unique_ptr<bench::ListeningHost> listener_;
+  std::unique_ptr<DemInfill> over_network_;
   std::unique_ptr<bench::LiggghtsAloneBed> alone_;
   ContactImpulses contact_;
   double half_ = 0;
@@ -135,17 +166,23 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void measure(benchmark::State& state, double side, int steps) {
-  static std::map<double, std::unique_ptr<Bed>> beds;  // settled once for both thread counts
+/// Settled once for all that is measured on it.
+std::unique_ptr<Bed>& bed_of(double side) {
+  static std::map<double, std::unique_ptr<Bed>> beds;
   auto& bed = beds[side];
   if (!bed) bed = std::make_unique<Bed>(side);
+  return bed;
+}
+
+void measure(benchmark::State& state, double side, int steps) {
+  auto& bed = bed_of(side);
   set_threads(static_cast<int>(state.range(0)));
   std::vector<double> wall, processor, bridged_times;
-  double kicks = 0, host = 0;
+  double booked = 0, host = 0;
   for (auto _ : state) {
     bed->begin_pair();
     const DemInfill& infill = bed->infill();
-    kicks -= infill.exchange_seconds(), host -= infill.waiting_seconds();
+    booked -= infill.exchange_seconds(), host -= infill.waiting_seconds();
     std::vector<double> wall_of_turns, processor_of_turns;
     for (int turn = 0; turn < turns; ++turn) {
       const bench::Seconds alone = bed->advance_alone(steps), bridged = bed->advance(steps);
@@ -155,7 +192,7 @@ void measure(benchmark::State& state, double side, int steps) {
     }
     wall.push_back(median(wall_of_turns));
     processor.push_back(median(processor_of_turns));
-    kicks += infill.exchange_seconds(), host += infill.waiting_seconds();
+    booked += infill.exchange_seconds(), host += infill.waiting_seconds();
   }
   const DemInfill& infill = bed->infill();
   const auto grains = static_cast<double>(infill.particles().size());
@@ -163,20 +200,49 @@ void measure(benchmark::State& state, double side, int steps) {
   state.counters["share_least"] = *std::min_element(wall.begin(), wall.end());
   state.counters["share_most"] = *std::max_element(wall.begin(), wall.end());
   state.counters["share_of_processor"] = median(processor);
-  state.counters["kicks"] = kicks / (kicks + host);
+  state.counters["booked"] = booked / (booked + host);
   state.counters["grains"] = grains;
   state.counters["coordination"] = 2.0 * static_cast<double>(infill.overlaps().contacts) / grains;
   state.counters["particle_steps_per_second"] = grains * steps / median(bridged_times);
 }
 
+void measure_network(benchmark::State& state, double side) {
+  constexpr int short_turns = 51, steps = 10;  // what others take of the machine comes and goes
+  auto& bed = bed_of(side);
+  set_threads(static_cast<int>(state.range(0)));
+  std::vector<double> ratio, added;
+  for (auto _ : state) {
+    bed->begin_network_pair();
+    std::vector<double> ratio_of_turns, added_of_turns;
+    for (int turn = 0; turn < short_turns; ++turn) {
+      const double shared = bed->advance(steps).wall, network = bed->advance_over_network(steps);
+      ratio_of_turns.push_back(network / shared);
+      added_of_turns.push_back(1e3 * (network - shared) / steps);
+    }
+    ratio.push_back(median(ratio_of_turns));
+    added.push_back(median(added_of_turns));
+  }
+  state.counters["ratio"] = median(ratio);
+  state.counters["ratio_least"] = *std::min_element(ratio.begin(), ratio.end());
+  state.counters["ratio_most"] = *std::max_element(ratio.begin(), ratio.end());
+  state.counters["added_ms"] = median(added);
+  state.counters["grains"] = static_cast<double>(bed->infill().particles().size());
+}
+
+constexpr double side_20k = 0.1096;  // m
+
 void bridge_overhead_20k(benchmark::State& state) {
-  measure(state, 0.1096, 50);
+  measure(state, side_20k, 50);
+}
+void bridge_tcp_20k(benchmark::State& state) {
+  measure_network(state, side_20k);
 }
 void bridge_overhead_100k(benchmark::State& state) {
   measure(state, 0.2450, 20);
 }
 
 BENCHMARK(bridge_overhead_20k)->Arg(1)->Arg(2)->UseRealTime()->Iterations(11)->Unit(benchmark::kMillisecond);
+BENCHMARK(bridge_tcp_20k)->Arg(1)->Arg(2)->UseRealTime()->Iterations(5)->Unit(benchmark::kMillisecond);
 BENCHMARK(bridge_overhead_100k)->Arg(1)->Arg(2)->UseRealTime()->Iterations(9)->Unit(benchmark::kMillisecond);
 
 }  // namespace

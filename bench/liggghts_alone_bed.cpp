@@ -31,7 +31,8 @@ std::string commands_for(const dem::Grains& grains, const Material& material,
   text.precision(17);
   for (std::string line; std::getline(of_bridge, line);)
     if (!line.starts_with("fix coupling")) text << line << '\n';
-  text << "fix weight all gravity " << settings.gravity.norm() << " vector 0 0 -1\n";
+  text << "fix integrate all nve/sphere\nfix weight all gravity " << settings.gravity.norm()
+       << " vector 0 0 -1\n";
   const auto wall = [&](const char* name, const char* plane, double at) {
     text << "fix " << name << " all wall/gran model hertz tangential history primitive type 2 " << plane
          << ' ' << at << '\n';

@@ -191,7 +191,7 @@ void complete_contact(DemOptions& dem, const CleggRig& rig, const Places& places
   }
 }
 
-/// A host that listens on another machine: where, and that it is one process.
+/// A host that listens on another machine: where.
 void check_host(const DemOptions& dem, const Places& places) {
   constexpr std::string_view scheme = "tcp://";
   if (!dem.host.starts_with(scheme)) return;
@@ -204,22 +204,13 @@ void check_host(const DemOptions& dem, const Places& places) {
     places.fail(
         "infill.dem.host",
         "is no address; give it as \"tcp://machine:port\", with the port that liggghts_host listens on");
-  if (dem.ranks > 1)
-    places.fail("infill.dem.ranks",
-                "a host on another machine is one process; use 1 rank, or leave out infill.dem.host");
 }
 
 /// What clumps cannot be combined with.
 void check_clumps_run(const Scene& scene, const Places& places) {
-  if (!effect_on(decide_effects(scene), "clumps")) return;
-  if (scene.infill.dem.ranks > 1)
+  if (scene.infill.dem.ranks > 1 && effect_on(decide_effects(scene), "clumps"))
     places.fail("infill.dem.ranks",
                 "clumps of grains need one process; use 1 rank, or effects.clumps = false");
-  if (scene.output.micro.contacts || scene.output.micro.fields)
-    places.fail(
-        scene.output.micro.contacts ? "output.micro.contacts" : "output.micro.fields",
-        "forces within clumps of grains are not known, so neither is their stress; set this to false, or "
-        "effects.clumps = false");
 }
 
 }  // namespace

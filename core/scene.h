@@ -118,7 +118,7 @@ struct DemOptions {
   std::vector<GrainPair> pairs;
   std::string
       host;  ///< path of liggghts_host, or tcp://machine:port of one that listens; empty: beside the program
-  int ranks = 1;  ///< MPI processes of the host, >= 1, on this machine
+  int ranks = 1;  ///< MPI processes of the host, >= 1, on one machine
   /// Of two grains, over the smaller radius, beyond which a run stops, from the release of the rig on; 0:
   /// none.
   double overlap_limit = 0;

@@ -255,8 +255,9 @@ void complete_specimen(Scene& scene, const Places& places) {
   check_infill_material(scene, rig.material, "rig.material", places);
   // Effects ask the layers what touches.
   scene.turf.layers = {{rig.material, rig.height}};
+  // The room that coarse-grained fields span.
+  scene.turf.size = ring ? std::array{rig.diameter, rig.diameter} : rig.size;
   if (pull) {
-    scene.turf.size = rig.size;
     // A continuum on both faces of a light strand: at 0.8 of the stable step contact fed energy in, 28 % of
     // what was at stake; at 0.4 the error was 5e-5.
     constexpr double safe_for_strand = 0.4;

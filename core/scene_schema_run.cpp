@@ -67,17 +67,18 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
   keys.text(
       {"host", "path of liggghts_host; tcp://machine:port of one that listens; empty: beside the program"},
       dem.host);
-  keys.integer({"ranks", "MPI processes of liggghts_host on this machine"}, dem.ranks, Range{1, 256});
+  keys.integer({"ranks", "MPI processes of liggghts_host, all on its machine"}, dem.ranks, Range{1, 256});
   keys.number({"overlap_limit",
                "of two grains over the smaller radius, looked at with each history row from the release of "
                "the rig on: beyond it the run stops; 0: none"},
               dem.overlap_limit, non_negative);
   keys.quantity({"answer_timeout", "without an answer for so long the host counts as hung"},
                 dem.answer_timeout, "s", positive);
-  keys.number({"packing_friction",
-               "share of their friction, on each other and on strands, that grains have while they are laid: "
-               "1 a bed as poured, 0 the densest, as tamped"},
-              dem.packing_friction, Range{0, 1});
+  keys.number(
+      {"packing_friction",
+       "share of their friction, on each other, strands and tray, that grains have while they are laid: "
+       "1 a bed as poured, 0 the densest, as tamped"},
+      dem.packing_friction, Range{0, 1});
   keys.quantity({"settle_time", "packing dynamics after the geometric packing, at least"}, dem.settle_time,
                 "s", non_negative);
   keys.quantity({"settle_time_limit",
@@ -85,7 +86,9 @@ void describe_dem(KeyVisitor& keys, DemOptions& dem) {
                  "each at the latest after so long"},
                 dem.settle_time_limit, "s", non_negative);
   keys.number(
-      {"rest_tolerance", "share of their weight that nothing bears, below which grains count as at rest"},
+      {"rest_tolerance",
+       "share of their weight that nothing bears, below which grains count as at rest; twice that while they "
+       "are packed among fibres, for there the run settles them again"},
       dem.rest_tolerance, positive);
   keys.flag({"use_cache", "reuse a settled packing of an earlier run with the same inputs"}, dem.use_cache);
   keys.list<GrainPair>(

@@ -395,7 +395,7 @@ void describe_scene(KeyVisitor& keys, Scene& scene,
                [&](KeyVisitor& inside) { describe_effects(inside, scene.effects); });
   keys.table({"numerics", "steps and limits"},
              [&](KeyVisitor& inside) { describe_numerics(inside, scene.numerics, kind); });
-  if (turf || strand)
+  if (infill)
     keys.table({"output", "what is recorded"},
                [&](KeyVisitor& inside) { describe_output(inside, scene.output, kind); });
 }

@@ -5,23 +5,13 @@
 #include <vector>
 
 #include "coupler/layer_depth.h"
+#include "coupler/whole_grains.h"
 
 namespace tuft::coupler {
 namespace {
 
 const dem::DemInfill& grains_of(const Simulation& simulation) {
   return dynamic_cast<const dem::DemInfill&>(simulation.infill());
-}
-
-/// First sphere of each grain, and one more: a grain's spheres follow each other.
-std::vector<std::size_t> first_spheres(const dem::DemInfill& infill) {
-  const std::span<const Index> clumps = infill.clumps();
-  const std::size_t count = infill.particles().size();
-  std::vector<std::size_t> first;
-  for (std::size_t i = 0; i < count; ++i)
-    if (i == 0 || clumps.empty() || clumps[i] < 0 || clumps[i] != clumps[i - 1]) first.push_back(i);
-  first.push_back(count);
-  return first;
 }
 
 /// What contacts do to spheres.
@@ -86,7 +76,7 @@ RestState measure_rest(const Simulation& simulation) {
   add_contacts(load, simulation.boundary_contacts());
 
   const Vec3 gravity = simulation.infill_gravity();
-  const std::vector<std::size_t> first = first_spheres(infill);
+  const std::vector<std::size_t> first = first_spheres(spheres.size(), infill.clumps());
   double unbalanced = 0, weight = 0, kinetic = 0, scale = 0, loose = 0, grains = 0;
   for (std::size_t g = 0; g + 1 < first.size(); ++g) {
     if (spheres.is_expelled(first[g])) continue;
@@ -120,7 +110,7 @@ BedState measure_bed(const Simulation& simulation, std::array<double, 2> size, d
                      std::size_t layers) {
   const dem::DemInfill& infill = grains_of(simulation);
   const ParticleView spheres = infill.particles();
-  const std::vector<std::size_t> first = first_spheres(infill);
+  const std::vector<std::size_t> first = first_spheres(spheres.size(), infill.clumps());
   double mass = 0, volume = 0, count = 0;
   std::vector<double> speed;
   for (std::size_t g = 0; g + 1 < first.size(); ++g) {

@@ -221,6 +221,7 @@ void BodyContact::save(h5::Group& group) const {
   save_energy(group, energy_);
   group.write_scalar("initial_overlap_pairs", static_cast<std::uint64_t>(initial_overlap_.pairs));
   group.write_scalar("initial_overlap_largest", initial_overlap_.largest);
+  group.write_scalar("searched", static_cast<std::uint64_t>(searched_));
 }
 
 void BodyContact::load(const h5::Group& group, std::size_t bodies) {
@@ -236,7 +237,7 @@ void BodyContact::load(const h5::Group& group, std::size_t bodies) {
   energy_ = load_energy(group);
   initial_overlap_.pairs = h5::read_count(group, "initial_overlap_pairs");
   initial_overlap_.largest = h5::read_number(group, "initial_overlap_largest");
-  searched_ = true;
+  searched_ = h5::read_count(group, "searched") != 0;
 }
 
 }  // namespace tuft::coupler

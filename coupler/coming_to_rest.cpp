@@ -31,12 +31,13 @@ std::uint64_t intervals_in(double time) {
 
 std::vector<double> numbers_of(const PackingReport& report) {
   std::vector<double> numbers = numbers_of(report.rest);
-  numbers.insert(numbers.end(), {report.time, report.at_rest ? 1.0 : 0.0, report.moved});
+  numbers.insert(numbers.end(), {report.time, report.at_rest ? 1.0 : 0.0, report.moved, report.tolerance,
+                                 report.laid ? 1.0 : 0.0});
   return numbers;
 }
 
 PackingReport packing_report_of(std::span<const double> n) {
-  return {n[4], n[5] != 0, rest_of(n), n[6]};
+  return {n[4], n[5] != 0, rest_of(n), n[6], n[7], n[8] != 0};
 }
 
 PackingReport come_to_rest(Simulation& simulation, const DemOptions& options, Bed bed,
@@ -66,7 +67,8 @@ PackingReport come_to_rest(Simulation& simulation, const DemOptions& options, Be
   }
   result.time = static_cast<double>(done) * interval;
   result.rest = measure_rest(simulation);
-  result.at_rest = is_at_rest(result.rest, stages.back().tolerance * options.rest_tolerance);
+  result.tolerance = stages.back().tolerance * options.rest_tolerance;
+  result.at_rest = is_at_rest(result.rest, result.tolerance);
   return result;
 }
 

@@ -1,6 +1,7 @@
 /// Forces of contact where everything stands now, for whoever wants to look at them: evaluated on a copy, so
 /// that nothing of the simulation changes.
 #include <algorithm>
+#include <optional>
 
 #include "coupler/simulation.h"
 
@@ -43,16 +44,29 @@ ContactNetwork Simulation::boundary_contacts() const {
   ParticleView particles = contact_view();
   particles.kicks = {};
   const double window = plan_.window, release = release_at(time_), before = release_at(time_ - window);
+  // Where the coming window would look for pairs anew, copies do: at the start of a run, and where what is
+  // known of pairs belongs to another moment.
+  std::optional<ParticleShellContact> shell_pairs;
+  std::optional<BodyContact> body_pairs;
+  if (!reference_.valid) {
+    const ParticleView standing = parts_.infill->particles();
+    shell_pairs.emplace(particle_shell_);
+    shell_pairs->search(standing, parts_.carpet->nodes(), parts_.skin, parts_.release_overlap);
+    body_pairs.emplace(particle_body_);
+    body_pairs->search(standing, parts_.bodies, parts_.skin, parts_.release_overlap, standing.expelled);
+  }
+  const ParticleShellContact& of_shells = shell_pairs ? *shell_pairs : particle_shell_;
+  const BodyContact& of_bodies = body_pairs ? *body_pairs : particle_body_;
   if (has_carpet())
-    particle_shell_.list_forces(particles, parts_.carpet->nodes(),
-                                window / std::max(1, plan_.carpet_substeps), release, before, shells);
+    of_shells.list_forces(particles, parts_.carpet->nodes(), window / std::max(1, plan_.carpet_substeps),
+                          release, before, shells);
   // Sorted by particle; kinds apart.
   for (const ContactKind kind : {ContactKind::backing, ContactKind::fibre})
     for (std::size_t c = 0; c < shells.size(); ++c)
       if (shells.kind[c] == kind)
         network.add(kind, shells.particle[c], shells.other[c], shells.branch[c],
                     -shells.branch[c].normalized(), shells.force(c), shells.overlap[c]);
-  particle_body_.list_forces(particles, parts_.bodies, window, release, before, network);
+  of_bodies.list_forces(particles, parts_.bodies, window, release, before, network);
   return network;
 }
 

@@ -9,7 +9,7 @@
 namespace tuft::coupler {
 namespace {
 
-/// Moduli are divided by it: steps are 3 times as long, overlaps some per cent.
+/// Grains' moduli among each other are divided by it: steps are 3 times as long, overlaps some per cent.
 constexpr double softness = 10;
 constexpr double acceleration = 20;       ///< g
 constexpr double damping = 200;           ///< 1/s: grains fall with 1 m/s at most
@@ -80,20 +80,20 @@ LaidBed lay(const Scene& scene, const std::vector<EffectDecision>& effects, cons
   const double floor = scene.turf.carpet.backing_thickness;
   std::uint64_t done = 0;
   double before = std::numeric_limits<double>::infinity();
-  while (done < most) {
+  LaidBed bed;
+  while (done < most && !bed.lies) {
     simulation.advance_interval(interval);
     report(static_cast<double>(++done) / static_cast<double>(most));
     if (done % look_every != 0) continue;
     const double height = mean_height(simulation.infill()) - floor;
     // What overlaps as placed parts first, and the bed rises: only then does it sink.
-    if (before - height < slow * height && done > 3 * look_every) break;
+    bed.lies = std::abs(before - height) < slow * height && done > 3 * look_every;
     before = height;
   }
   // Pressed together by that weight grains would spring apart, once they are as stiff as they are.
   simulation.set_infill_acceleration(Vec3(0, 0, 0));
   for (std::uint64_t i = 0; i < springing_back; ++i) simulation.advance_interval(interval);
   done += springing_back;
-  LaidBed bed;
   bed.position = positions(simulation.infill());
   bed.carpet = simulation.carpet().shape();
   bed.time = static_cast<double>(done) * interval;

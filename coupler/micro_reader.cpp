@@ -22,7 +22,8 @@ bool has_fields(const h5::Group& root) {
 std::size_t micro_frames(const h5::Group& root) {
   std::size_t frames = root.has("frames") ? root.open_group("frames").shape("time").at(0) : 0;
   if (has_contacts(root))
-    frames = std::min(frames, root.open_group("frames").open_group("contacts").shape("end").at(0));
+    frames = std::min({frames, root.open_group("frames").open_group("contacts").shape("end").at(0),
+                       root.open_group("micro").shape("spin_rms").at(0)});
   if (has_fields(root))
     frames = std::min(frames, root.open_group("frames").open_group("grid").shape("mass_outside").at(0));
   return has_contacts(root) || has_fields(root) ? frames : 0;
@@ -33,7 +34,13 @@ double frame_time(const h5::Group& root, std::size_t frame) {
 }
 
 std::size_t particle_count(const h5::Group& root) {
-  return root.open_group("frames").open_group("infill").shape("position").at(1);
+  const h5::Group infill = root.open_group("frames").open_group("infill");
+  if (!infill.has("grain")) return infill.shape("position").at(1);
+  return static_cast<std::size_t>(infill.read_ints("grain").back()) + 1;
+}
+
+double spin_rms(const h5::Group& root, std::size_t frame) {
+  return root.open_group("micro").read_doubles("spin_rms").at(frame);
 }
 
 ContactNetwork read_contacts(const h5::Group& root, std::size_t frame) {
@@ -66,6 +73,7 @@ RecordedFields read_fields(const h5::Group& root, std::size_t frame) {
   const std::vector<std::int32_t> cells = group.read_ints("cells");
   std::copy_n(cells.begin(), 3, fields.grid.cells.begin());
   fields.width = group.read_double("width");
+  fields.mass_outside = group.read_doubles("mass_outside").at(frame);
   for (const std::string& name : group.names()) {
     if (group.shape(name).size() < 4) continue;  // frames, three directions
     fields.values[name] = group.read_row(name, frame);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/whole_grains.h"
 #include "micro_scale/coarse_fields.h"
 #include "micro_scale/network_statistics.h"
 
@@ -10,6 +11,7 @@ namespace tuft::coupler {
 namespace {
 
 constexpr double room_above = 0.25;  // of the infill's depth
+constexpr const char *distribution_path = "/micro/normal_force_density", *bins_name = "normal_force_bins";
 
 /// Density of the solid of which a material is made, kg/m^3; 0: not known.
 double solid_density(const Material& material, const std::vector<Material>& materials) {
@@ -83,6 +85,7 @@ MicroSettings micro_settings(const Scene& scene) {
   const Vec3 half(0.5 * scene.turf.size[0], 0.5 * scene.turf.size[1], 0);
   settings.grid = micro::make_grid(Vec3(0, 0, floor) - half,
                                    Vec3(0, 0, floor + (1 + room_above) * depth) + half, wanted.cell);
+  if (scene.rig.is_specimen()) settings.grid.margin = 0.5 * scene.infill.sph.pitch;
   const double width = wanted.width > 0 ? wanted.width : settings.grid.spacing.maxCoeff();
   // A narrower kernel could fall between the centres of cells.
   settings.kernel = micro::lucy_kernel(std::max(width, 0.5 * settings.grid.spacing.norm()));
@@ -107,6 +110,7 @@ std::vector<Channel> MicroRecorder::channels(const Simulation& simulation) const
                 {"/frames/contacts/overlap", "m", {}, true}};
     for (const micro::NamedValue& value : named_values(micro::NetworkStatistics{}))
       channels.push_back({"/micro/" + value.name, value.unit, {}});
+    channels.push_back({distribution_path, "1", {micro::ForceBins{}.count}});
     const ParticleView particles = simulation.infill().particles();
     if (!particles.wx.empty())
       channels.push_back({"/frames/infill/spin", "rad/s", {particles.size(), 3}, true});
@@ -131,7 +135,18 @@ std::vector<Channel> MicroRecorder::channels(const Simulation& simulation) const
   return channels;
 }
 
-void MicroRecorder::write_static(h5::Group& root) const {
+void MicroRecorder::write_static(h5::Group& root, const Simulation& simulation) const {
+  if (!settings_.any()) return;
+  if (const WholeGrains grains(simulation.infill()); !grains.grain_of_sphere().empty())
+    root.open_group("frames").open_group("infill").write("grain", grains.grain_of_sphere());
+  if (settings_.contacts) {
+    const micro::ForceBins bins;
+    std::vector<double> edges;
+    for (std::size_t b = 0; b <= bins.count; ++b) edges.push_back(bins.width * static_cast<double>(b));
+    auto group = root.open_group("micro");
+    group.write(bins_name, std::span<const double>(edges));
+    group.set_attribute("unit", "1", bins_name);
+  }
   if (!settings_.fields) return;
   const micro::CoarseGrid& grid = settings_.grid;
   auto group = root.open_group("frames").open_group("grid");
@@ -154,15 +169,16 @@ std::vector<double> MicroRecorder::solid_volumes(const ParticleView& particles) 
 
 void MicroRecorder::record(RecordFile& file, double time, const Simulation& simulation) {
   if (!settings_.any()) return;
-  ContactNetwork network = simulation.infill().contacts();
-  append(network, simulation.boundary_contacts());
-  if (settings_.contacts) record_contacts(file, time, simulation, network);
-  if (settings_.fields) record_fields(file, simulation, network);
+  const WholeGrains grains(simulation.infill());
+  ContactNetwork of_spheres = simulation.infill().contacts();
+  append(of_spheres, simulation.boundary_contacts());
+  const ContactNetwork network = grains.network_of(of_spheres);
+  if (settings_.contacts) record_contacts(file, time, simulation, grains.view(), network);
+  if (settings_.fields) record_fields(file, simulation, grains.view(), network);
 }
 
 void MicroRecorder::record_contacts(RecordFile& file, double time, const Simulation& simulation,
-                                    const ContactNetwork& network) {
-  const ParticleView particles = simulation.infill().particles();
+                                    const ParticleView& particles, const ContactNetwork& network) {
   std::vector<double> pair, kind, line, ends, force;
   for (std::size_t c = 0; c < network.size(); ++c) {
     const Vec3 start = particles.position(static_cast<std::size_t>(network.particle[c])),
@@ -183,21 +199,23 @@ void MicroRecorder::record_contacts(RecordFile& file, double time, const Simulat
   file.append_rows("/frames/contacts/tangential_force", flat(network.tangential_force));
   file.append_rows("/frames/contacts/overlap", network.overlap);
   file.append("/frames/contacts/end", static_cast<double>(file.rows().at("/frames/contacts/kind")));
-  if (!particles.wx.empty()) {
+  if (const ParticleView spheres = simulation.infill().particles(); spheres.has_spin()) {
     Vec3Array spin;
-    for (std::size_t i = 0; i < particles.size(); ++i) spin.push_back(particles.spin(i));
+    for (std::size_t i = 0; i < spheres.size(); ++i) spin.push_back(spheres.spin(i));
     file.append("/frames/infill/spin", flat(spin));
   }
   file.append("/micro/time", time);
   file.append("/micro/spin_rms", spin_rms(particles));
   for (const micro::NamedValue& value : named_values(micro::describe_network(network, particles.size())))
     file.append("/micro/" + value.name, value.value);
+  // Files that versions before began do not have it.
+  if (file.rows().contains(distribution_path))
+    file.append(distribution_path, micro::force_distribution(network));
 }
 
 void MicroRecorder::record_fields(RecordFile& file, const Simulation& simulation,
-                                  const ContactNetwork& network) const {
+                                  const ParticleView& particles, const ContactNetwork& network) const {
   const Infill& infill = simulation.infill();
-  const ParticleView particles = infill.particles();
   const auto moments = infill.stress_moments();
   const std::vector<double> solid = solid_volumes(particles);
   std::vector<double> coordination;

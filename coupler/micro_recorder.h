@@ -22,7 +22,8 @@ struct MicroSettings {
 };
 
 /// The grid spans the patch, from the backing's top to a quarter of the infill's depth above it, the same for
-/// both approaches.
+/// both approaches; of a specimen the room. SPH rows of a specimen lie on its walls, and are pressed a little
+/// into them.
 [[nodiscard]] MicroSettings micro_settings(const Scene& scene);
 
 class MicroRecorder {
@@ -30,15 +31,17 @@ class MicroRecorder {
   explicit MicroRecorder(MicroSettings settings) : settings_(std::move(settings)) {}
 
   [[nodiscard]] std::vector<Channel> channels(const Simulation& simulation) const;
-  /// What never changes: the grid.
-  void write_static(h5::Group& root) const;
+  /// What never changes: the grid, the bins of the distribution of forces, and which grain a sphere is of.
+  void write_static(h5::Group& root, const Simulation& simulation) const;
   /// With each frame.
   void record(RecordFile& file, double time, const Simulation& simulation);
 
  private:
+  /// particles: whole grains (coupler/whole_grains.h), which the network is of.
   void record_contacts(RecordFile& file, double time, const Simulation& simulation,
-                       const ContactNetwork& network);
-  void record_fields(RecordFile& file, const Simulation& simulation, const ContactNetwork& network) const;
+                       const ParticleView& particles, const ContactNetwork& network);
+  void record_fields(RecordFile& file, const Simulation& simulation, const ParticleView& particles,
+                     const ContactNetwork& network) const;
   [[nodiscard]] std::vector<double> solid_volumes(const ParticleView& particles) const;
 
   MicroSettings settings_;

@@ -14,11 +14,11 @@
 namespace tuft::coupler {
 namespace {
 
-constexpr const char* packing_version = "packing 8";  // raise when packing or settling changes its results
+constexpr const char* packing_version = "packing 9";  // raise when packing or settling changes its results
 
 /// Only what the packing depends on: a change of rig or output must not repeat it.
 std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& effects,
-                        std::string_view container) {
+                        std::string_view surroundings) {
   Scene bare = scene;
   bare.file.clear();
   bare.info = {"packing", 1};
@@ -42,7 +42,7 @@ std::string packing_key(const Scene& scene, const std::vector<EffectDecision>& e
   for (const char* name : {"fibres", "backing", "friction_rate", "rolling_resistance", "grain_cohesion",
                            "clumps", "contact_damping"})
     text += std::string(name) + (effect_on(effects, name) ? " on\n" : " off\n");
-  text += container;
+  text += surroundings;
   return content_hash(text);
 }
 
@@ -56,15 +56,34 @@ std::filesystem::path cache_folder() {
   return {};
 }
 
+template <class Value>
+void append_bytes(std::string& bytes, const std::vector<Value>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+}
+
 }  // namespace
 
+std::string fingerprint(const fe::ShellMesh& mesh) {
+  std::string bytes;
+  append_bytes(bytes, mesh.nodes.x);
+  append_bytes(bytes, mesh.nodes.y);
+  append_bytes(bytes, mesh.nodes.z);
+  append_bytes(bytes, mesh.quads);
+  append_bytes(bytes, mesh.thickness);
+  append_bytes(bytes, mesh.material);
+  append_bytes(bytes, mesh.surface);
+  append_bytes(bytes, mesh.clamped);
+  append_bytes(bytes, mesh.constraints);
+  return content_hash(bytes);
+}
+
 PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects,
-                           std::string_view container)
+                           std::string_view surroundings)
     : layers_(scene.turf.layers.size()) {
   for (const Material& material : scene.materials) grain_kinds_.push_back(material.grain.has_value());
   const std::filesystem::path folder = cache_folder();
   if (scene.infill.dem.use_cache && !folder.empty())
-    path_ = folder / ("packing-" + packing_key(scene, effects, container) + ".h5");
+    path_ = folder / ("packing-" + packing_key(scene, effects, surroundings) + ".h5");
 }
 
 Packing PackingCache::read() const {
@@ -72,7 +91,8 @@ Packing PackingCache::read() const {
   const h5::Group root = file.root();
   const auto numbers = [&](const char* name, std::size_t count, double least) {
     std::vector<double> values = root.read_doubles(name);
-    if (values.size() != count) throw_run_error("{} holds {} values instead of {}", name, values.size(), count);
+    if (values.size() != count)
+      throw_run_error("{} holds {} values instead of {}", name, values.size(), count);
     for (const double value : values)
       if (!std::isfinite(value) || value < least) throw_run_error("{} holds {:g}", name, value);
     return values;
@@ -84,8 +104,7 @@ Packing PackingCache::read() const {
         throw_run_error("{} holds {:g}", name, value);
     return std::vector<std::int32_t>(values.begin(), values.end());
   };
-  constexpr double positive = std::numeric_limits<double>::min(),
-                   any = std::numeric_limits<double>::lowest();
+  constexpr double positive = std::numeric_limits<double>::min(), any = std::numeric_limits<double>::lowest();
   Packing packing;
   dem::Grains& grains = packing.grains;
   const std::size_t count = root.read_doubles("radius").size();

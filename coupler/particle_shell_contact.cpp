@@ -238,6 +238,7 @@ void ParticleShellContact::save(h5::Group& group) const {
   save_energy(let_go, let_go_);
   group.write_scalar("initial_overlap_pairs", static_cast<std::uint64_t>(initial_overlap_.pairs));
   group.write_scalar("initial_overlap_largest", initial_overlap_.largest);
+  group.write_scalar("searched", static_cast<std::uint64_t>(searched_));
 }
 
 void ParticleShellContact::load(const h5::Group& group) {
@@ -247,7 +248,7 @@ void ParticleShellContact::load(const h5::Group& group) {
   let_go_ = load_energy(group.open_group("let_go"));
   initial_overlap_.pairs = h5::read_count(group, "initial_overlap_pairs");
   initial_overlap_.largest = h5::read_number(group, "initial_overlap_largest");
-  searched_ = true;  // the next search fills in the elements and keeps these histories
+  searched_ = h5::read_count(group, "searched") != 0;  // the next search fills in the elements
 }
 
 }  // namespace tuft::coupler

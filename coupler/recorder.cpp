@@ -93,7 +93,7 @@ Recorder Recorder::create(const std::filesystem::path& path, const Simulation& s
   return {RecordFile::create(path, channels,
                              [&](h5::Group& root) {
                                write_static(root, simulation, scene_text, version);
-                               micro_recorder.write_static(root);
+                               micro_recorder.write_static(root, simulation);
                              }),
           columns, micro_recorder, simulation};
 }

@@ -39,6 +39,26 @@ int packing_ranks(const Scene& scene, const dem::Grains& grains) {
 
 namespace {
 
+/// Overlap as placed is no result of anything: it is let go whatever the run does.
+std::vector<EffectDecision> packing_effects(std::vector<EffectDecision> effects) {
+  for (EffectDecision& effect : effects)
+    if (effect.name == "overlap_release") effect.on = true;
+  return effects;
+}
+
+/// `make` says what fails in it as of this stage: its clock starts anew, and could be taken for the run's.
+template <class Make>
+auto in_stage(const char* stage, const Make& make) {
+  try {
+    return make();
+  } catch (const RunError& error) {
+    throw_run_error(
+        "packing grains, {} (times are of this stage): {}; a lower numerics.step_safety or another "
+        "numerics.seed may help",
+        stage, error.what());
+  }
+}
+
 /// Soft grains at rest overlap as much as stiff ones under ten times the weight; made stiff they would push
 /// each other with that, and friction would keep some of it in the bed. Clumps are left: they part as bodies.
 void part_overlaps(dem::Grains& grains, const Scene& scene, fe::ShellMesh mesh,
@@ -66,7 +86,7 @@ void part_overlaps(dem::Grains& grains, const Scene& scene, fe::ShellMesh mesh,
 SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                             const fe::ShellMesh& mesh,
                             const std::function<void(const std::string&, double)>& on_progress) {
-  const PackingCache cache(scene, effects, {});
+  const PackingCache cache(scene, effects, fingerprint(mesh));
   SettledGrains settled;
   settled.from_cache = cache.load(settled, [&](const Packing& kept) {
     // Of a carpet made otherwise, by another version of the program: its shape is refused here.
@@ -94,20 +114,26 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
 
   Scene still = packing_scene(scene);
   still.infill.dem.ranks = packing_ranks(scene, settled.grains);
-  LaidBed laid = lay(still, effects, settled.grains, [&](double done) { report(0.1 + 0.6 * done); });
+  const std::vector<EffectDecision> still_effects = packing_effects(effects);
+  LaidBed laid = in_stage("laying them among fibres", [&] {
+    return lay(still, still_effects, settled.grains, [&](double done) { report(0.1 + 0.6 * done); });
+  });
   settled.grains.position = std::move(laid.position);
   part_overlaps(settled.grains, still, mesh, laid.carpet);
   BuildRequest request;
   request.scene = &still;
-  request.effects = effects;
+  request.effects = still_effects;
   request.grains = &settled.grains;
   request.carpet = &laid.carpet;
   const BuiltSimulation built = build_simulation(request);
   // Strands that swing keep grains awake: they are let go in the run, where the bed settles again.
   built.simulation->freeze_carpet(true);
-  settled.report = come_to_rest(*built.simulation, scene.infill.dem, Bed::laid,
-                                [&](double done) { report(0.7 + 0.3 * done); });
+  settled.report = in_stage("coming to rest", [&] {
+    return come_to_rest(*built.simulation, scene.infill.dem, Bed::laid,
+                        [&](double done) { report(0.7 + 0.3 * done); });
+  });
   settled.report.time += laid.time;
+  settled.report.laid = laid.lies;
   settled.report.moved = static_cast<double>(settled.grains.moved);
   settled.report.cache_trouble = cache_trouble;
   settled.grains.position = positions(built.simulation->infill());

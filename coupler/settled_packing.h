@@ -25,9 +25,9 @@ struct SettledGrains : Packing {
 
 /// Packs grains geometrically among the mesh as made, lays them among strands that give way (laying.h), then
 /// lets both come to rest (coming_to_rest.h). The result depends on the scene's turf, grain materials, DEM
-/// options, numerics.seed and step_safety, packing_ranks and the program's version only: equal inputs give
-/// equal bits, from the cache or not. (The cache does not tell ranks apart: a bed that was packed on other
-/// ranks is as good, and is taken.) Velocities are not kept.
+/// options, numerics.seed and step_safety, packing_ranks the mesh, and the way of packing only: equal inputs
+/// give equal bits, from the cache or not. (The cache does not tell ranks apart: a bed that was packed on
+/// other ranks is as good, and is taken.) Velocities are not kept.
 [[nodiscard]] SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                                           const fe::ShellMesh& mesh,
                                           const std::function<void(const std::string&, double)>& on_progress);

@@ -56,8 +56,10 @@ dem::Grains packed_grains(const Scene& scene, const std::vector<EffectDecision>&
 
 dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>& effects,
                            const SpecimenRoom& room, const SpecimenStrand* strand, PackingReport& report) {
+  Scene still = packing_scene(scene);
+  still.infill.dem.packing_friction = DemOptions{}.packing_friction;  // they are not laid among fibres
   const PackingCache cache(
-      scene, effects,
+      still, effects,
       fmt::format("{} {:.17g} x {:.17g} x {:.17g} m{}", room.round ? "ring" : "box", room.size[0],
                   room.size[1], room.height, strand != nullptr ? strand->description() : ""));
   Packing packing;
@@ -71,7 +73,6 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   Specimen loose;
   loose.room = room;
   loose.grains = packed_grains(scene, effects, room, strand);
-  Scene still = packing_scene(scene);
   still.infill.dem.ranks = packing_ranks(scene, loose.grains);
   SpecimenRequest request;
   request.scene = &still;

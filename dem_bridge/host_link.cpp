@@ -1,6 +1,7 @@
 #include "dem_bridge/host_link.h"
 
 #include "core/error.h"
+#include "dem_bridge/last_words.h"
 
 namespace tuft::dem {
 namespace {
@@ -39,23 +40,17 @@ std::string HostLink::ask(Request request, std::string_view text, std::string_vi
   switch (wire_->exchange(message, deadline_in(timeout_), answers)) {
     case HostWire::Outcome::answered:
       break;
-    case HostWire::Outcome::silent:
-      fail(fmt::format("{}: liggghts_host did not answer for {} s {}", doing, timeout_, wire_->why_silent()));
-    case HostWire::Outcome::gone: {
-      const std::string ending = wire_->how_it_went(), words = wire_->last_words();
-      fail(fmt::format("{}: liggghts_host {}{}", doing, ending,
-                       words.empty() ? "" : "; its last words: " + words));
+    case HostWire::Outcome::silent: {
+      const std::string error = error_line(wire_->last_words());
+      fail(fmt::format("{}: liggghts_host did not answer for {} s {}{}", doing, timeout_, wire_->why_silent(),
+                       error.empty() ? "" : "; its last words: " + error));
     }
+    case HostWire::Outcome::gone:
+      fail(fmt::format("{}: {}", doing, tell_end(*wire_)));
   }
-  std::string all;
-  for (const std::string& answer : answers) {
-    if (answer.empty() && answers.size() > 1) continue;  // another one has failed
-    if (answer.empty() || answer[0] != static_cast<char>(Answer::done))
-      fail(fmt::format("{}: {}", doing,
-                       answer.size() > 1 ? answer.substr(1) : "liggghts_host gave an unknown answer"));
-    all.append(answer, 1);
-  }
-  return all;
+  const std::string all = join_answers(answers);
+  if (all[0] != static_cast<char>(Answer::done)) fail(fmt::format("{}: {}", doing, all.substr(1)));
+  return all.substr(1);
 }
 
 }  // namespace tuft::dem

@@ -33,8 +33,8 @@ class HostWire {
                            std::vector<std::string>& answers) = 0;
   /// Sends without waiting for an answer, and gives the host a moment to end.
   virtual void quit(std::string_view message) = 0;
-  /// After Outcome::gone: "ended with signal 9 (Killed)", and what LIGGGHTS, the system or MPI said last (may
-  /// be empty), a line each.
+  /// After Outcome::gone: "ended with signal 9 (Killed)", and what is known of what LIGGGHTS, the system or
+  /// MPI said last of it (may be empty), a line each.
   [[nodiscard]] virtual std::string how_it_went() = 0;
   [[nodiscard]] virtual std::string last_words() = 0;
   /// After Outcome::silent: "and was ended; it hangs, or ..."
@@ -56,8 +56,15 @@ class HostWire {
                                                          HostWire::Clock::time_point deadline);
 
 /// A host that listens at options.host, "tcp://machine:port" (`liggghts_host --listen`), with a memory of its
-/// own: what is shared here travels there. Nothing is encrypted, and nobody asked who they are. Throws
-/// InputError for a bad address and for more than one rank.
+/// own: what is shared here travels there. Its ranks are all on its machine. Nothing is encrypted, and nobody
+/// asked who they are. Throws InputError for a bad address.
 [[nodiscard]] std::unique_ptr<HostWire> reach_remote_host(const DemOptions& options, std::size_t grains);
+
+/// After Outcome::gone: "liggghts_host ended with signal 9 (Killed); its last words: ...", without the latter
+/// where there are none.
+[[nodiscard]] std::string tell_end(HostWire& wire);
+
+/// The answers of all ranks as one: their texts one after the other, or why the first that failed did.
+[[nodiscard]] std::string join_answers(const std::vector<std::string>& answers);
 
 }  // namespace tuft::dem

@@ -4,8 +4,10 @@
 
 namespace tuft::dem {
 
-/// First line with ERROR in it, else the last that is not blank or ruled, at most 400 characters; empty if
-/// there is none.
+/// First line with ERROR in it, at most 400 characters; empty if there is none.
+[[nodiscard]] std::string error_line(const std::string& text);
+
+/// The same, or else the last line that is not blank or ruled.
 [[nodiscard]] std::string telling_line(const std::string& text);
 
 }  // namespace tuft::dem

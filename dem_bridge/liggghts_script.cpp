@@ -50,15 +50,9 @@ std::string per_pair(const char* id, const char* property, std::size_t types,
   return line + "\n";
 }
 
-/// What moves the grains: spheres one by one, clumps as bodies.
-std::string integrators(std::size_t types, const std::vector<bool>& clumped) {
-  if (std::ranges::count(clumped, true) == 0) return "fix integrate all nve/sphere\n";
-  std::string spheres;
-  for (std::size_t t = 0; t < types; ++t)
-    if (!clumped[t]) spheres += fmt::format(" {}", t + 1);
-  std::string text = "fix clumps all multisphere\n";
-  if (!spheres.empty()) text += "group spheres type" + spheres + "\nfix integrate spheres nve/sphere\n";
-  return text;
+/// What moves clumps. Spheres are moved by the bridge (host/sphere_steps.h).
+std::string integrators(const std::vector<bool>& clumped) {
+  return std::ranges::count(clumped, true) == 0 ? "" : "fix clumps all multisphere\n";
 }
 
 }  // namespace
@@ -243,7 +237,7 @@ std::string set_up_commands(const std::string& source, const std::vector<Index>&
   }
   text += model + "\npair_coeff * *\n";
   text += fmt::format("timestep {:.17g}\n", step);
-  text += integrators(types, clumped);
+  text += integrators(clumped);
   text += fmt::format(
       "fix coupling all external pf/callback 1 {}\n"
       "thermo_style custom step\n"

@@ -88,18 +88,19 @@ class LocalWire final : public HostWire {
     process_.wait(2.0);
   }
 
+  /// mpirun, when a rank has ended, gives the others a second to do so before it says what it saw.
   std::string how_it_went() override {
-    process_.wait(1.0);
+    process_.wait(ranks_.size() == 1 ? 1.0 : 5.0);
     return process_.ending().empty() ? "no longer answers" : "ended with " + process_.ending();
   }
-  /// LIGGGHTS' own error if it named one; else what the system, the linker or MPI said.
+  /// LIGGGHTS' own error if it named one; else what the system, the linker or MPI said, if all is over.
   std::string last_words() override {
     std::vector<std::string> texts;
     for (std::size_t r = 0; r < memory_.ranks(); ++r) texts.push_back(memory_.words(r));
     texts.push_back(tail_of(folder_.path() / "host.log"));
     for (const std::string& text : texts)
-      if (text.find("ERROR") != std::string::npos) return telling_line(text);
-    return telling_line(texts.back());
+      if (const std::string error = error_line(text); !error.empty()) return error;
+    return process_.ending().empty() ? "" : telling_line(texts.back());
   }
   std::string why_silent() const override {
     return "and was ended; it hangs, or the window is too long for the timeout";
@@ -168,11 +169,8 @@ class LocalWire final : public HostWire {
         }
         stranger = strangers.erase(stranger);  // one that has gone would wake us in every round
       }
-      if (watched[1].revents != 0 && missing > 0) {
-        const std::string words = last_words();
-        throw_run_error("starting liggghts_host: liggghts_host {}{}", how_it_went(),
-                        words.empty() ? "" : "; its last words: " + words);
-      }
+      if (watched[1].revents != 0 && missing > 0)
+        throw_run_error("starting liggghts_host: {}", tell_end(*this));
     }
     for (auto& rank : known) ranks_.push_back(std::move(*rank));
   }

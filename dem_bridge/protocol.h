@@ -14,7 +14,7 @@
 namespace tuft::dem {
 
 inline constexpr std::uint64_t protocol_magic = 0x7475667464656d31;  ///< "tuftdem1"
-inline constexpr std::uint64_t protocol_version = 8;                 ///< raise with every change of this file
+inline constexpr std::uint64_t protocol_version = 9;                 ///< raise with every change of this file
 
 /// Steps after which LIGGGHTS adds the forces of its `fix external`, all zero: the bridge adds its own to the
 /// forces when that calls it.
@@ -120,8 +120,8 @@ struct RankState {
   // The last window.
   std::array<double, 3> impulse_received{};  ///< N s, summed over grains and substeps as added to the forces
   std::array<double, 3> impulse_scale{};     ///< N s, the same with absolute values
-  double run_seconds = 0;                    ///< wall time inside LIGGGHTS' steps, kicks and copies excluded
-  double copy_seconds = 0;                   ///< wall time of kicks and copies in the host
+  double run_seconds = 0;                    ///< wall time of the steps, copies excluded
+  double copy_seconds = 0;                   ///< wall time of copies in the host
   double pair_work = 0;                      ///< J in the window: of grain-grain forces and torques
   double contact_work = 0;                   ///< of the contact impulses
   double damping_work = 0;                   ///< of the damping (never positive)
@@ -140,7 +140,7 @@ struct RankState {
   double stored_energy =
       0;  ///< J, elastic, in grain-grain contacts; on request, or as of a window's last kick
   /// By pair_place: the largest overlap over the smaller radius, seen whenever stored_energy was summed up in
-  /// a kick. The driver sets it back.
+  /// a kick. The driver sets it back; over a network the host does, once it has told.
   std::array<double, largest_pairs> overlap_largest{};
 
   // Host's own words: ring of the last characters LIGGGHTS printed. Readable after any kind of death.

@@ -38,6 +38,11 @@ class SharedMemory {
   }
   [[nodiscard]] std::size_t ranks() const { return state().ranks; }
   [[nodiscard]] RankState& rank(std::size_t r) const { return *at<RankState>(SharedArrays::rank_offset(r)); }
+  /// The RankStates of all ranks.
+  [[nodiscard]] std::span<std::byte> rank_bytes() const {
+    return {at<std::byte>(SharedArrays::rank_offset(0)),
+            SharedArrays::rank_offset(ranks()) - SharedArrays::rank_offset(0)};
+  }
   /// The last lines LIGGGHTS printed on a rank, oldest first.
   [[nodiscard]] std::string words(std::size_t rank = 0) const;
 

@@ -17,7 +17,9 @@ using Clock = HostWire::Clock;
 class TcpWire final : public HostWire {
  public:
   TcpWire(const DemOptions& options, std::size_t grains)
-      : endpoint_(options.host), timeout_(options.answer_timeout), memory_(SharedMemory::create(grains)) {
+      : endpoint_(options.host),
+        timeout_(options.answer_timeout),
+        memory_(SharedMemory::create(grains, static_cast<std::size_t>(options.ranks))) {
     prepare_link(socket_);
     monitor_.connect(monitor_endpoint);
     try {
@@ -58,10 +60,17 @@ class TcpWire final : public HostWire {
         endpoint_);
   }
   std::string why_silent() const override {
+    if (met_) return fmt::format("at {}; it hangs, or the window is too long for the timeout", endpoint_);
     return fmt::format("at {}: it hangs, or nobody listens there; start `liggghts_host --listen {}` there",
                        endpoint_, listening_address());
   }
-  std::string last_words() override { return telling_line(memory_.words()); }
+  /// As of its last answer: an error if LIGGGHTS had named one by then, else nothing. What else it had
+  /// printed says nothing of the end.
+  std::string last_words() override {
+    for (std::size_t r = 0; r < memory_.ranks(); ++r)
+      if (const std::string error = error_line(memory_.words(r)); !error.empty()) return error;
+    return {};
+  }
   /// The host ends a life whose connection is gone.
   void kill() override { hang_up(); }
 
@@ -170,11 +179,6 @@ class TcpWire final : public HostWire {
 }  // namespace
 
 std::unique_ptr<HostWire> reach_remote_host(const DemOptions& options, std::size_t grains) {
-  if (options.ranks > 1)
-    throw_input_error(
-        "infill.dem.ranks = {} with infill.dem.host = \"{}\": ranks share memory with this program; use 1 "
-        "rank over a network",
-        options.ranks, options.host);
   return std::make_unique<TcpWire>(options, grains);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 std::span<std::byte> bytes_of(const SharedMemory& memory, Block block) {
   if (block == state_block) return std::as_writable_bytes(std::span(&memory.state(), 1));
-  if (block == rank_block) return std::as_writable_bytes(std::span(&memory.rank(0), 1));
+  if (block == ranks_block) return memory.rank_bytes();
   if (block == loads_block) return std::as_writable_bytes(memory.loads());
   if (block >= first_array_block && block < array_block(SharedArrays::count))
     return std::as_writable_bytes(memory.array(block - first_array_block));
@@ -50,7 +50,7 @@ std::vector<Block> blocks_to_host(Request request, bool first_window) {
 }
 
 std::vector<Block> blocks_to_driver(Request request, bool some_expelled) {
-  std::vector<Block> blocks{rank_block};
+  std::vector<Block> blocks{ranks_block};
   switch (request) {
     case Request::commands:
       add_arrays(blocks, SharedArrays::mass, 2);
@@ -91,6 +91,12 @@ void unpack(SharedMemory& memory, std::string_view frame) {
   const auto bytes = bytes_of(memory, block);
   if (frame.size() != sizeof block + bytes.size())
     throw std::runtime_error("a part of the memory in a message is not as large as it must be");
+  if (block == state_block) {
+    SharedState state;
+    std::memcpy(&state, frame.data() + sizeof block, sizeof state);
+    if (state.grains != memory.grains() || state.ranks != memory.ranks())
+      throw std::runtime_error("a message is of other grains or ranks than those before it");
+  }
   std::memcpy(bytes.data(), frame.data() + sizeof block, bytes.size());
 }
 

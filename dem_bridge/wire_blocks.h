@@ -19,7 +19,7 @@ enum class FileRequest : char {
 
 /// A part of the memory.
 using Block = std::uint64_t;
-inline constexpr Block state_block = 0, rank_block = 1, loads_block = 2, first_array_block = 16;
+inline constexpr Block state_block = 0, ranks_block = 1, loads_block = 2, first_array_block = 16;
 constexpr Block array_block(std::size_t name) {
   return first_array_block + name;
 }
@@ -30,7 +30,8 @@ constexpr Block array_block(std::size_t name) {
 [[nodiscard]] std::vector<Block> blocks_to_driver(Request request, bool some_expelled);
 
 /// A block and its number as a frame, and back. Loads are as many as the state says, which goes ahead of
-/// them. `unpack` throws std::runtime_error for a block that is not of this memory.
+/// them. `unpack` throws std::runtime_error for a block that is not of this memory, and for the state of one
+/// of other grains or ranks.
 [[nodiscard]] std::string pack(const SharedMemory& memory, Block block);
 void unpack(SharedMemory& memory, std::string_view frame);
 

@@ -13,6 +13,9 @@ struct CoarseGrid {
   Vec3 low{0, 0, 0};           ///< m, corner of the first cell
   Vec3 spacing{0, 0, 0};       ///< m, edges of a cell, > 0
   std::array<int, 3> cells{};  ///< > 0
+  /// m, >= 0: what lies beyond the rim by no more belongs to the grid, and counts as on the rim. For rows of
+  /// a lattice whose centres lie on walls that give way.
+  double margin = 0;
 
   [[nodiscard]] std::size_t size() const {
     return static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
@@ -30,7 +33,7 @@ struct CoarseGrid {
   [[nodiscard]] double cell_volume() const { return spacing.prod(); }  ///< m^3
   [[nodiscard]] Vec3 high() const { return low + spacing.cwiseProduct(Vec3(cells[0], cells[1], cells[2])); }
   [[nodiscard]] bool holds(const Vec3& point) const {
-    return (point.array() >= low.array()).all() && (point.array() <= high().array()).all();
+    return (point.array() >= low.array() - margin).all() && (point.array() <= high().array() + margin).all();
   }
 };
 

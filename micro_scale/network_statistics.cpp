@@ -103,16 +103,17 @@ std::vector<NamedValue> named_values(const NetworkStatistics& s) {
           {"force_fabric_anisotropy", "1", s.force_anisotropy}};
 }
 
-std::vector<double> force_distribution(const ContactNetwork& network, std::size_t bins, double width) {
+std::vector<double> force_distribution(const ContactNetwork& network, const ForceBins& bins) {
   const std::vector<double> forces = normal_forces(network);
-  std::vector<double> density(bins, 0);
+  std::vector<double> density(bins.count, 0);
   double sum = 0;
   for (const double force : forces) sum += force;
   if (!(sum > 0)) return density;
   const auto count = static_cast<double>(forces.size());
   for (const double force : forces) {
-    const double place = force * count / sum / width;
-    if (place < static_cast<double>(bins)) density[static_cast<std::size_t>(place)] += 1 / (count * width);
+    const double place = force * count / sum / bins.width;
+    if (place < static_cast<double>(bins.count))
+      density[static_cast<std::size_t>(place)] += 1 / (count * bins.width);
   }
   return density;
 }

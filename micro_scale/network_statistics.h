@@ -38,9 +38,15 @@ struct NamedValue {
 };
 [[nodiscard]] std::vector<NamedValue> named_values(const NetworkStatistics& statistics);
 
-/// Density of the distribution of normal forces over their mean: `bins` bins of `width` from 0 on; what lies
-/// beyond the last is left out. Density times width adds up to the share of contacts in the bins.
-[[nodiscard]] std::vector<double> force_distribution(const ContactNetwork& network, std::size_t bins,
-                                                     double width);
+/// The bins in which distributions of forces are recorded and printed: as far as six times the mean.
+struct ForceBins {
+  std::size_t count = 12;
+  double width = 0.5;  ///< in mean normal forces
+};
+
+/// Density of the distribution of normal forces over their mean, in bins from 0 on; what lies beyond the last
+/// is left out. Density times width adds up to the share of contacts in the bins.
+[[nodiscard]] std::vector<double> force_distribution(const ContactNetwork& network,
+                                                     const ForceBins& bins = {});
 
 }  // namespace tuft::micro

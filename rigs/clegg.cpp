@@ -128,15 +128,21 @@ void CleggTester::sample(const coupler::Simulation& simulation, double time, dou
 }
 
 std::vector<HistoryColumn> CleggTester::columns() const {
-  return {{"acceleration", "m/s^2"}, {"velocity", "m/s"}, {"penetration", "m"}, {"contact_force", "N"}};
+  return {{"acceleration", "m/s^2"}, {"velocity", "m/s"}, {"height", "m"}, {"contact_force", "N"}};
 }
 
 std::vector<double> CleggTester::row() const {
   if (record_.acceleration.empty()) return {0, 0, 0, 0};
   const double acceleration = record_.acceleration.back();
-  const double penetration =
-      clock_.touched() ? height_at(record_, clock_.touch()) - record_.height.back() : 0.0;
-  return {acceleration, record_.velocity.back(), penetration, acceleration * settings_.mass};
+  return {acceleration, record_.velocity.back(), record_.height.back(), acceleration * settings_.mass};
+}
+
+std::vector<double> CleggTester::penetration() const {
+  std::vector<double> depth(record_.height.size(), 0.0);
+  if (!clock_.touched()) return depth;
+  const double surface = height_at(record_, clock_.touch());
+  for (std::size_t i = clock_.touch(); i < depth.size(); ++i) depth[i] = surface - record_.height[i];
+  return depth;
 }
 
 std::vector<double> CleggTester::filtered() const {
@@ -144,12 +150,14 @@ std::vector<double> CleggTester::filtered() const {
 }
 
 std::vector<Rig::FinishedColumn> CleggTester::finished_columns() const {
-  std::vector<double> column(samples_before_release_, 0.0);
-  if (!record_.acceleration.empty()) {
-    const std::vector<double> signal = filtered();
-    column.insert(column.end(), signal.begin(), signal.end());
-  }
-  return {{{"acceleration_filtered", "m/s^2"}, column}};
+  const auto since_release = [&](const std::vector<double>& samples) {
+    std::vector<double> column(samples_before_release_, 0.0);
+    column.insert(column.end(), samples.begin(), samples.end());
+    return column;
+  };
+  return {{{"acceleration_filtered", "m/s^2"},
+           since_release(record_.acceleration.empty() ? std::vector<double>{} : filtered())},
+          {{"penetration", "m"}, since_release(penetration())}};
 }
 
 std::map<std::string, Quantity> CleggTester::results() const {

@@ -71,6 +71,8 @@ class CleggTester final : public Rig {
 
  private:
   [[nodiscard]] std::vector<double> filtered() const;
+  /// m below the place at touch, which only the whole drop tells (TouchClock); 0 before it.
+  [[nodiscard]] std::vector<double> penetration() const;
   CleggRig settings_;
   double gravity_;
   std::size_t body_ = 0;

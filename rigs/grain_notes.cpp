@@ -43,6 +43,7 @@ void add_bed_notes(const Scene& scene, const RunState& state, std::map<std::stri
   if (state.packing) {
     notes["packing_time"] = {state.packing->time, "s"};
     notes["packing_at_rest"] = {state.packing->at_rest ? 1.0 : 0.0, "1"};
+    notes["packing_laid"] = {state.packing->laid ? 1.0 : 0.0, "1"};
     notes["packing_grains_moved"] = {state.packing->moved, "1"};
   }
   if (!state.bed_released) return;

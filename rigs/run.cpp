@@ -93,10 +93,10 @@ class Runner {
 
   void prepare() {
     const Scene& scene = request_.scene;
-    std::optional<dem::Grains> grains;
-    if (request_.resume) grains = read_checkpoint_grains(file("checkpoint.h5"), scene);
+    std::optional<coupler::Packing> bed;
+    if (request_.resume) bed = read_checkpoint_bed(file("checkpoint.h5"), scene);
     const std::uint64_t index = request_.resume ? read_checkpoint_index(file("checkpoint.h5"), scene) : 0;
-    state_ = make_run_state(scene, grains ? &*grains : nullptr, index,
+    state_ = make_run_state(scene, bed ? &*bed : nullptr, index,
                             [&](const std::string& stage, double done) { report_progress(stage, 0, done); });
     if (request_.resume) {
       const CheckpointRest rest = read_checkpoint(file("checkpoint.h5"), scene, state_);

@@ -36,11 +36,17 @@ std::vector<std::string> remarks_on_window(const Scene& scene, const coupler::Si
 std::vector<std::string> remarks_on_packing(const Scene& scene, const coupler::PackingReport& packing) {
   std::vector<std::string> remarks;
   if (!packing.cache_trouble.empty()) remarks.push_back(packing.cache_trouble);
+  if (!packing.laid)
+    remarks.push_back(
+        fmt::format("grains had not come to lie when their laying ended after infill.dem.settle_time_limit = "
+                    "{:g} ms: the bed "
+                    "yet sank or rose; raise it",
+                    1e3 * scene.infill.dem.settle_time_limit));
   if (!packing.at_rest)
-    remarks.push_back(fmt::format(
-        "grains were not at rest after {:.3g} ms of packing: {} (infill.dem.rest_tolerance is {:g}); "
-        "raise infill.dem.settle_time_limit",
-        1e3 * packing.time, describe(packing.rest), scene.infill.dem.rest_tolerance));
+    remarks.push_back(
+        fmt::format("grains were not at rest after {:.3g} ms of packing: {} ({:g} % count as rest, by "
+                    "infill.dem.rest_tolerance); raise infill.dem.settle_time_limit",
+                    1e3 * packing.time, describe(packing.rest), 100 * packing.tolerance));
   return remarks;
 }
 

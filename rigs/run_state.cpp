@@ -18,7 +18,7 @@ std::uint64_t intervals_in(double duration, double interval) {
   return static_cast<std::uint64_t>(std::llround(duration / interval));
 }
 
-constexpr std::uint64_t checkpoint_format = 17;
+constexpr std::uint64_t checkpoint_format = 18;
 
 h5::File open_checkpoint(const std::filesystem::path& path, const Scene& scene) {
   if (!std::filesystem::exists(path))
@@ -115,7 +115,7 @@ Schedule make_schedule(const Scene& scene) {
   return s;
 }
 
-RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
+RunState make_run_state(const Scene& scene, const coupler::Packing* bed, std::uint64_t index,
                         const std::function<void(const std::string&, double)>& on_progress) {
   RunState state;
   state.schedule = make_schedule(scene);
@@ -126,7 +126,8 @@ RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint
   request.effects = state.effects;
   request.rig_bodies = state.rig->bodies();
   request.energy_scale = state.rig->energy_scale();
-  request.grains = grains;
+  if (bed != nullptr) request.grains = &bed->grains;
+  if (bed != nullptr && bed->carpet.position.size() > 0) request.carpet = &bed->carpet;
   request.on_progress = on_progress;
   const bool conditioned = scene.conditioning.on();
   const bool grains_settle = state.schedule.settle != state.schedule.settle_least;
@@ -201,12 +202,13 @@ std::uint64_t read_checkpoint_index(const std::filesystem::path& path, const Sce
   }
 }
 
-std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path, const Scene& scene) {
+std::optional<coupler::Packing> read_checkpoint_bed(const std::filesystem::path& path, const Scene& scene) {
   const h5::File file = open_checkpoint(path, scene);
   if (!file.root().has("grains")) return std::nullopt;
   try {
     const h5::Group group = file.root().open_group("grains");
-    dem::Grains grains;
+    coupler::Packing bed;
+    dem::Grains& grains = bed.grains;
     grains.position = {group.read_doubles("x"), group.read_doubles("y"), group.read_doubles("z")};
     grains.radius = group.read_doubles("radius");
     grains.layer = group.read_ints("layer");
@@ -227,7 +229,7 @@ std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& p
         h5::refuse(group, "material", fmt::format("[{}] is \"{}\", not a grain", k, material.name));
       grains.density.push_back(material.grain->density);
     }
-    return grains;
+    return bed;
   } catch (const RunError& error) {
     throw_input_error("{}: checkpoint is truncated or damaged ({}): start the scene again with tuft run",
                       path.string(), error.what());

@@ -11,6 +11,7 @@
 
 #include "coupler/bed_state.h"
 #include "coupler/build_simulation.h"
+#include "coupler/packing_cache.h"
 #include "coupler/recorder.h"
 #include "rigs/compaction.h"
 #include "rigs/rig.h"
@@ -41,9 +42,10 @@ struct RunState {
   [[nodiscard]] coupler::Simulation& simulation() const { return *built.simulation; }
 };
 
-/// Builds what a scene asks for. `grains`: see BuildRequest. index: where the run will go on, for SPH infill
+/// Builds what a scene asks for. `bed`: grains at rest and the carpet among them; null: they are packed, or
+/// taken from the cache; a carpet of no nodes stands as made. index: where the run will go on, for SPH infill
 /// that is not yet conditioned is made of spheres.
-[[nodiscard]] RunState make_run_state(const Scene& scene, const dem::Grains* grains, std::uint64_t index,
+[[nodiscard]] RunState make_run_state(const Scene& scene, const coupler::Packing* bed, std::uint64_t index,
                                       const std::function<void(const std::string&, double)>& on_progress);
 
 /// Time spent up to a checkpoint, so that a resumed run tells the cost of the whole.
@@ -64,9 +66,10 @@ struct CheckpointRest {
   SpentSoFar spent;
 };
 /// Grains as they stand in a DEM checkpoint's frame of reference are in the state itself; a fresh DEM infill
-/// only needs as many grains, with their radii: read from here before the state is built. Empty for SPH.
-[[nodiscard]] std::optional<dem::Grains> read_checkpoint_grains(const std::filesystem::path& path,
-                                                                const Scene& scene);
+/// only needs as many grains, with their radii: read from here before the state is built, without a carpet's
+/// shape, which is in the state too. Empty for SPH.
+[[nodiscard]] std::optional<coupler::Packing> read_checkpoint_bed(const std::filesystem::path& path,
+                                                                  const Scene& scene);
 /// Throws InputError for a file that is missing, truncated, or of another scene.
 CheckpointRest read_checkpoint(const std::filesystem::path& path, const Scene& scene, RunState& state);
 

@@ -21,6 +21,7 @@
 #include "rigs/process_memory.h"
 #include "rigs/pull_out.h"
 #include "rigs/run_outcome.h"
+#include "rigs/specimen_checkpoint.h"
 #include "rigs/window_remarks.h"
 #include "rigs/xdmf.h"
 
@@ -57,19 +58,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-constexpr CheckpointFormat specimen_format{"specimen_format", 4};
-
-/// Where a run stands, beside the test at hand and its simulation.
-struct Tally {
-  std::uint64_t test = 0, row = 0;  ///< test at hand, rows of it done
-  double time_before = 0;           ///< s, of the tests before this one
-  std::uint64_t steps_before = 0, particle_steps_before = 0;
-  double energy_error = 0, momentum_error = 0;  ///< largest of the tests before this one
-  double kinetic_share = 0;                     ///< the same
-  Expelled expelled;                            ///< in the tests before this one
-  double most_kinetic = 0, most_work = 0;  ///< J, largest energy of motion and work done, of the test at hand
-};
 
 class SpecimenRunner {
  public:
@@ -119,7 +107,7 @@ class SpecimenRunner {
       const auto read = [&](const auto& rest) {
         return read_books(file("checkpoint.h5"), request_.scene, specimen_format, rest);
       };
-      (void)read([&](const h5::Group& root) { read_tally(root); });
+      (void)read([&](const h5::Group& root) { tally_ = read_tally(root, rig_->tests()); });
       start_test();  // where that fails, the checkpoint is not to blame
       const CheckpointBooks books = read([&](const h5::Group& root) {
         simulation_->load(root.open_group("simulation"));
@@ -236,40 +224,11 @@ class SpecimenRunner {
     recorder_->flush();
     const CheckpointBooks books{recorder_->rows(), {wall(), cost()}};
     write_books(file("checkpoint.h5"), request_.scene, specimen_format, books, [&](h5::Group& root) {
-      root.write_scalar("test", tally_.test);
-      root.write_scalar("row", tally_.row);
-      root.write_scalar("steps_before", tally_.steps_before);
-      root.write_scalar("particle_steps_before", tally_.particle_steps_before);
-      const std::vector<double> numbers{tally_.time_before,   tally_.energy_error, tally_.momentum_error,
-                                        tally_.kinetic_share, tally_.most_kinetic, tally_.most_work};
-      root.write("numbers", std::span<const double>(numbers));
-      if (const Expelled& gone = tally_.expelled; gone.particles > 0)
-        root.write("expelled",
-                   std::vector{static_cast<double>(gone.particles), gone.mass, gone.momentum.x(),
-                               gone.momentum.y(), gone.momentum.z(), gone.kinetic_energy});
+      write_tally(root, tally_);
       h5::Group simulation = root.create_group("simulation"), rig = root.create_group("rig");
       simulation_->save(simulation);
       rig_->save(rig);
     });
-  }
-
-  void read_tally(const h5::Group& root) {
-    tally_.test = root.read_count("test");
-    tally_.row = root.read_count("row");
-    tally_.steps_before = root.read_count("steps_before");
-    tally_.particle_steps_before = root.read_count("particle_steps_before");
-    const std::vector<double> numbers = root.read_doubles("numbers");
-    tally_.time_before = numbers.at(0);
-    tally_.energy_error = numbers.at(1);
-    tally_.momentum_error = numbers.at(2);
-    tally_.kinetic_share = numbers.at(3);
-    tally_.most_kinetic = numbers.at(4);
-    tally_.most_work = numbers.at(5);
-    if (!root.has("expelled")) return;
-    const std::vector<double> gone = root.read_doubles("expelled");
-    h5::check_length(root, "expelled", gone.size(), 6);
-    tally_.expelled = {static_cast<std::uint64_t>(gone[0]), gone[1], Vec3(gone[2], gone[3], gone[4]),
-                       gone[5]};
   }
 
   [[nodiscard]] double wall() const { return before_.wall + seconds_since(start_); }
@@ -340,7 +299,7 @@ class SpecimenRunner {
   const RunRequest& request_;
   std::unique_ptr<SpecimenTest> rig_;
   RunSummary summary_;
-  Tally tally_;
+  SpecimenTally tally_;
   std::unique_ptr<coupler::Simulation> simulation_;
   std::optional<coupler::Recorder> recorder_;
   PhaseTimers timers_;

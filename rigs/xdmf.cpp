@@ -31,7 +31,7 @@ struct Part {
 };
 
 bool is_integer_field(const std::string& name) {
-  return name == "layer" || name == "material";
+  return name == "layer" || name == "material" || name == "grain";
 }
 
 Part find_part(const h5::Group& frames, const std::string& name) {

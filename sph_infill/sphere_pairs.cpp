@@ -146,15 +146,19 @@ std::size_t SpherePairs::touching() const {
 
 void SpherePairs::save(h5::Group& group) const {
   std::vector<std::int32_t> pairs;
-  std::vector<double> slips;
+  std::vector<double> slips, forces;
   for (std::size_t k = 0; k < first_.size(); ++k) {
     const Vec3 slip = slip_[k];
-    if (slip.isZero(0)) continue;
+    const PairForce& force = force_[k];
+    if (slip.isZero(0) && !force.touching) continue;
     pairs.insert(pairs.end(), {first_[k], second_[k]});
     slips.insert(slips.end(), slip.data(), slip.data() + 3);
+    for (const Vec3& part : {force.spring, force.other})
+      forces.insert(forces.end(), part.data(), part.data() + 3);
   }
   group.write("pairs", std::span<const std::int32_t>(pairs));
   group.write("slips", std::span<const double>(slips));
+  group.write("forces", std::span<const double>(forces));
 }
 
 void SpherePairs::load(const h5::Group& group, const SphereView& spheres) {
@@ -163,6 +167,10 @@ void SpherePairs::load(const h5::Group& group, const SphereView& spheres) {
   if (pairs.size() % 2 != 0)
     h5::refuse(group, "pairs", fmt::format("holds {} values, which are no pairs", pairs.size()));
   const std::vector<double> slips = h5::read_checked(group, "slips", pairs.size() / 2 * 3);
+  // For whoever looks before the next evaluation; versions before did not save them.
+  const std::vector<double> forces = group.has("forces")
+                                         ? h5::read_checked(group, "forces", pairs.size() / 2 * 6)
+                                         : std::vector<double>(pairs.size() / 2 * 6, 0.0);
   list(spheres);
   slip_.assign(first_.size(), 0);
   for (std::size_t p = 0; 2 * p < pairs.size(); ++p) {
@@ -174,8 +182,14 @@ void SpherePairs::load(const h5::Group& group, const SphereView& spheres) {
       h5::refuse(group, "pairs",
                  fmt::format("[{}] and [{}] are spheres {} and {}, which are too far apart to touch", 2 * p,
                              2 * p + 1, i, j));
-    slip_.set(static_cast<std::size_t>(found - second_.begin()),
-              Vec3(slips[3 * p], slips[3 * p + 1], slips[3 * p + 2]));
+    const auto k = static_cast<std::size_t>(found - second_.begin());
+    slip_.set(k, Vec3(slips[3 * p], slips[3 * p + 1], slips[3 * p + 2]));
+    const double* f = &forces[6 * p];
+    PairForce& force = force_[k];
+    force.spring = Vec3(f[0], f[1], f[2]), force.other = Vec3(f[3], f[4], f[5]);
+    force.touching = !force.spring.isZero(0);
+    force.turn =
+        (spheres.position[i] - spheres.position[static_cast<std::size_t>(j)]).normalized().cross(force.other);
   }
 }
 

@@ -39,7 +39,8 @@ void check_memory(std::uint64_t each, std::size_t scenes) {
         scenes, static_cast<double>(needed) / gigabyte, static_cast<double>(free) / gigabyte);
 }
 
-/// Everything but the scene itself is a variant of it; grains are packed for the first.
+/// Everything but the scene itself is a variant of it; grains are packed for the first, and for those that
+/// have other grains or lie among other shells.
 class Field {
  public:
   Field(const CostRequest& request, Scene scene) : request_(request), scene_(std::move(scene)) {}
@@ -55,17 +56,19 @@ class Field {
 
  private:
   std::unique_ptr<SteppedScene> build(const Scene& scene) {
-    const bool other_grains =
-        effect_on(decide_effects(scene), "clumps") != effect_on(decide_effects(scene_), "clumps");
+    const std::vector<EffectDecision> effects = decide_effects(scene), of_scene = decide_effects(scene_);
+    constexpr std::array of_bed{"clumps", "fibres", "backing"};
+    const bool same_bed = std::ranges::all_of(
+        of_bed, [&](const char* name) { return effect_on(effects, name) == effect_on(of_scene, name); });
     std::unique_ptr<RunningScene> running =
-        step_scene(scene, grains_ && !other_grains ? &*grains_ : nullptr, request_.on_packing);
-    if (!grains_) grains_ = grains_of(*running, scene);
+        step_scene(scene, bed_ && same_bed ? &*bed_ : nullptr, request_.on_packing);
+    if (!bed_ && same_bed) bed_ = bed_of(*running, scene);
     return running;
   }
 
   const CostRequest& request_;
   Scene scene_;
-  std::optional<dem::Grains> grains_;
+  std::optional<coupler::Packing> bed_;
 };
 
 /// Whether a scene with an effect the other way may go on from the state of the scene as it is: where shells,

@@ -72,9 +72,9 @@ void load_simulation(const h5::Group& root, coupler::Simulation& simulation) {
 
 class Drop final : public RunningScene {
  public:
-  Drop(const Scene& scene, const dem::Grains* grains, const std::function<void(double)>& on_packing)
+  Drop(const Scene& scene, const coupler::Packing* bed, const std::function<void(double)>& on_packing)
       : carpet_damping_(scene.turf.carpet.damping),
-        state_(rigs::make_run_state(scene, grains, 0, [&](const std::string&, double done) {
+        state_(rigs::make_run_state(scene, bed, 0, [&](const std::string&, double done) {
           if (on_packing) on_packing(done);
         })) {
     static_cast<void>(host_of(state_.simulation()));
@@ -155,17 +155,19 @@ double interval_of(const Scene& scene) {
                                  : rigs::make_schedule(scene).interval;
 }
 
-std::unique_ptr<RunningScene> step_scene(const Scene& scene, const dem::Grains* grains,
+std::unique_ptr<RunningScene> step_scene(const Scene& scene, const coupler::Packing* bed,
                                          const std::function<void(double)>& on_packing) {
   if (scene.rig.is_specimen()) return std::make_unique<FirstTest>(scene);
-  return std::make_unique<Drop>(scene, grains, on_packing);
+  return std::make_unique<Drop>(scene, bed, on_packing);
 }
 
-std::optional<dem::Grains> grains_of(const RunningScene& running, const Scene& scene) {
+std::optional<coupler::Packing> bed_of(const RunningScene& running, const Scene& scene) {
   const dem::DemInfill* const infill = grains_in(running.simulation());
-  if (infill == nullptr) return std::nullopt;
+  if (infill == nullptr || scene.rig.is_specimen()) return std::nullopt;
   const ParticleView p = infill->particles();
-  dem::Grains grains;
+  coupler::Packing bed;
+  bed.carpet = running.simulation().carpet().shape();
+  dem::Grains& grains = bed.grains;
   grains.position = {{p.x.begin(), p.x.end()}, {p.y.begin(), p.y.end()}, {p.z.begin(), p.z.end()}};
   grains.radius.assign(p.radius.begin(), p.radius.end());
   grains.layer.assign(p.layer.begin(), p.layer.end());
@@ -173,7 +175,7 @@ std::optional<dem::Grains> grains_of(const RunningScene& running, const Scene& s
   grains.body.assign(infill->clumps().begin(), infill->clumps().end());
   for (const Index material : grains.material)
     grains.density.push_back(scene.materials.at(static_cast<std::size_t>(material)).grain->density);
-  return grains;
+  return bed;
 }
 
 }  // namespace tuft::studies

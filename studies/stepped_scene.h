@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/scene.h"
+#include "coupler/packing_cache.h"
 #include "coupler/simulation.h"
-#include "dem_bridge/dem_infill.h"
 #include "studies/turns.h"
 
 namespace tuft::studies {
@@ -20,13 +20,14 @@ class RunningScene : public SteppedScene {
 };
 
 /// A scene whose rig is not a component's: of a specimen the first of its tests; of a drop without its
-/// conditioning. grains: of a drop, at rest, from another scene with the same; null: they are packed, which
-/// on_packing follows (from 0 to 1; may throw to stop it). Throws InputError for grains on another machine,
-/// whose processor time is not seen here, and what building a run throws.
-[[nodiscard]] std::unique_ptr<RunningScene> step_scene(const Scene& scene, const dem::Grains* grains,
+/// conditioning. bed: of a drop, from another scene with the same grains and mesh (bed_of); null: it is
+/// packed, which on_packing follows (from 0 to 1; may throw to stop it). Throws InputError for grains on
+/// another machine, whose processor time is not seen here, and what building a run throws.
+[[nodiscard]] std::unique_ptr<RunningScene> step_scene(const Scene& scene, const coupler::Packing* bed,
                                                        const std::function<void(double)>& on_packing);
 
-/// Grains where they are now; empty where the infill is none.
-[[nodiscard]] std::optional<dem::Grains> grains_of(const RunningScene& running, const Scene& scene);
+/// Grains of a drop and its carpet before the first step; empty where the infill is none. Of the packing's
+/// report nothing is known.
+[[nodiscard]] std::optional<coupler::Packing> bed_of(const RunningScene& running, const Scene& scene);
 
 }  // namespace tuft::studies

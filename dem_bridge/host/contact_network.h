@@ -3,11 +3,11 @@
 ///
 /// LIGGGHTS keeps no force of a pair. Its `compute pair/gran/local` evaluates them anew, whatever the contact
 /// models are, without adding to the forces and without advancing the springs: from positions, the springs'
-/// present elongations and velocities. Positions and springs are still those of the last evaluation, but the
-/// closing half kick has changed the velocities; so those that the evaluation saw, v(t - dt/2), which the
-/// shared memory holds, take their place meanwhile, and springs at Coulomb's limit are kept from sticking.
-/// What comes out are the forces of that evaluation up to rounding, and nothing of the simulation has
-/// changed.
+/// present elongations and velocities. Positions and springs are still those of the last evaluation, but of
+/// clumps the closing half kick has changed the velocities; so those that the evaluation saw, v(t - dt/2),
+/// which the shared memory holds, take their place meanwhile, and springs at Coulomb's limit are kept from
+/// sticking. What comes out are the forces of that evaluation up to rounding, and nothing of the simulation
+/// has changed.
 #include <string>
 
 #include "dem_bridge/shared_memory.h"

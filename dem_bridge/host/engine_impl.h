@@ -40,6 +40,8 @@ inline void store3(double* p, const Vec3& v) {
 }
 
 struct KickSums;
+struct SphereStep;
+class LoadCursor;
 
 /// All grains here are those of this rank: `nlocal` of them, ghosts of other ranks' behind.
 struct LiggghtsEngine::Impl {
@@ -50,7 +52,7 @@ struct LiggghtsEngine::Impl {
   bool started = false;
   bool stepping = false;               // callbacks outside `advance` (set-ups) only look away
   std::int64_t substep = 0;            // of the window under way
-  double callback_seconds = 0;         // of the window under way
+  double copy_seconds = 0;             // of the window under way
   std::string trouble;                 // found in a callback, thrown when LIGGGHTS has returned
   std::map<std::size_t, Vec3> parked;  // grains that have left, and where: they are elsewhere in LIGGGHTS
   std::unique_ptr<Clumps> clumps;      // from set_up on
@@ -86,7 +88,9 @@ struct LiggghtsEngine::Impl {
   void take_velocities();
   void publish_own_forces();
   void restore_own_forces();
-  void kick(bool in_run);
+  void step_grains(bool in_run);
+  void step_in_order(const SphereStep& step, LoadCursor& cursor, KickSums& sums);
+  void step_by_number(const SphereStep& step, LoadCursor& cursor, KickSums& sums);
   void expel(int atom);
   void find_parked();
   void hold_expelled();

@@ -23,39 +23,30 @@ LiggghtsEngine::Impl::Impl(SharedMemory& shared_memory, int rank)
   lammps->screen = open_screen_ring(report);
 }
 
-/// x(t), v(t - dt/2), own forces at t: before the last substep's closing half kick they are published, before
-/// the others' the window's load is added.
+/// x(t), v(t - dt/2), own forces at t. After the last substep they are published; the window's load on grains
+/// comes with the next. After the others grains step on.
 void LiggghtsEngine::Impl::callback(void* self, LAMMPS_NS::bigint timestep, int count, int*, double**,
                                     double** external) {
   auto& engine = *static_cast<Impl*>(self);
   if (count > 0 && timestep % external_forces_every == 0)
     std::fill_n(external[0], 3 * static_cast<std::size_t>(count), 0.0);  // rows follow each other
   if (!engine.stepping) return;
-  const auto start = Clock::now();
   if (++engine.substep < engine.shared.substeps) {
-    engine.kick(true);
-  } else {
-    engine.clumps->clear_forces();  // of the kick before; LIGGGHTS sums their own after this
-    engine.publish_state();
+    engine.step_grains(true);
+    return;
   }
-  engine.callback_seconds += seconds_since(start);
+  const auto start = Clock::now();
+  engine.clumps->clear_forces();  // of the kick before; LIGGGHTS sums their own after this
+  engine.publish_state();
+  engine.copy_seconds = seconds_since(start);
 }
 
-/// The half kick that the pair forces have made already must be half of the new step.
+/// Spheres make their whole kick with the step that comes; of clumps the half kick that the pair forces have
+/// made already must be half of it.
 void LiggghtsEngine::Impl::set_step(double step) {
   auto* const update = lammps->update;
   if (step == update->dt) return;
-  if (started) {
-    auto* const atom = lammps->atom;
-    const double change = 0.5 * (step - update->dt);
-    change_clump_step(change);
-    for (int a = 0; a < atom->nlocal; ++a) {
-      if (clumps->of_atom(a) >= 0) continue;
-      const double mass = atom->rmass[a], inertia = 0.4 * mass * atom->radius[a] * atom->radius[a];
-      store3(atom->v[a], load3(atom->v[a]) + change / mass * load3(atom->f[a]));
-      store3(atom->omega[a], load3(atom->omega[a]) + change / inertia * load3(atom->torque[a]));
-    }
-  }
+  if (started) change_clump_step(0.5 * (step - update->dt));
   update->update_time();
   update->dt = step;
   update->integrate->reset_dt();
@@ -64,7 +55,7 @@ void LiggghtsEngine::Impl::set_step(double step) {
   clumps->take_step();
 }
 
-/// First pair forces, from positions and velocities alone, and the half kick they make.
+/// First pair forces, from positions and velocities alone, and the half kick of clumps that they make.
 void LiggghtsEngine::Impl::start() {
   take_velocities();
   command("run 0 post no");
@@ -108,19 +99,17 @@ void LiggghtsEngine::advance() {
   const auto begin = Clock::now();
   my.set_step(my.shared.step);
   if (!my.started) my.start();
-  const auto kicking = Clock::now();
   RankState& report = my.report;
   report.impulse_received = report.impulse_scale = {};
   report.pair_work = report.contact_work = report.damping_work = 0;
-  my.kick(false);
-  const double kick_seconds = seconds_since(kicking);
+  my.step_grains(false);
 
   my.stepping = true;
   my.substep = 0;
-  my.callback_seconds = 0;
+  my.copy_seconds = 0;
   my.command(fmt::format("run {} pre no post no", my.shared.substeps));
   my.stepping = false;
-  report.copy_seconds = kick_seconds + my.callback_seconds;
+  report.copy_seconds = my.copy_seconds;
   report.run_seconds = seconds_since(begin) - report.copy_seconds;
   report.grains = static_cast<std::uint64_t>(my.local_count());
   if (!my.trouble.empty()) throw std::runtime_error(my.trouble);

@@ -2,11 +2,13 @@
 /// LIGGGHTS as the bridge needs it: one rank of it, and all functions are called on all ranks alike. The
 /// implementation is the only place that sees LIGGGHTS' headers.
 ///
-/// State between windows: LIGGGHTS has just evaluated the grains' own forces at x(t), and has made its
-/// closing half kick with them. The shared memory holds x(t) and v(t - dt/2), read in LIGGGHTS' callback
-/// before that half kick. `advance` adds to the forces what the driver sends and makes the rest of the half
-/// kick, under what it added: so the forces of the window act at t, without lag, and the exchange happens
-/// outside LIGGGHTS' run, where a restart file may be written at any window.
+/// State between windows: LIGGGHTS has just evaluated the grains' own forces at x(t); velocities are
+/// v(t - dt/2). So they are in LIGGGHTS' arrays and in the shared memory, where they are copied in LIGGGHTS'
+/// callback. `advance` makes the kick of a whole step and the drift under these forces and what the driver
+/// sends (sphere_steps.h), and lets LIGGGHTS go on to the next evaluation: so the forces of the window act at
+/// t, without lag, and the exchange happens outside LIGGGHTS' run, where a restart file may be written at any
+/// window. Clumps are integrated by LIGGGHTS, which has made its closing half kick with their forces;
+/// `advance` makes the rest of it.
 #include <filesystem>
 #include <memory>
 #include <string>

@@ -122,10 +122,16 @@ int main(int count, char** arguments) {
   }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   end_with(static_cast<pid_t>(std::strtol(words[serves ? 2 : 1].c_str(), nullptr, 10)));
+  if (serves) try {
+      return serve_one_driver(words[1]);
+    } catch (const std::exception& error) {
+      std::cerr << "ERROR: " << error.what() << '\n';
+      return cannot_listen;
+    }
   MPI_Init(nullptr, nullptr);
-  int status = serves ? cannot_listen : EXIT_FAILURE;
+  int status = EXIT_FAILURE;
   try {
-    status = serves ? serve_one_driver(words[1]) : run(words[3]);
+    status = run(words[3]);
   } catch (const std::exception& error) {
     std::cerr << "ERROR: " << error.what() << '\n';
   }

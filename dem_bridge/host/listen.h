@@ -13,7 +13,16 @@ inline constexpr int cannot_listen = 3;  ///< exit code of a process that could 
 /// std::runtime_error when five in a row have failed so, and where no folder or process can be made.
 int listen_for_drivers(const std::string& endpoint, bool once, double frozen_after);
 
-/// Serves one driver. To be called by the process made for it.
+/// Serves one driver (session.cpp), with LIGGGHTS in this process, or, where the driver asks for several
+/// ranks, in those of an mpirun that it starts. To be called by the process made for it.
 int serve_one_driver(const std::string& endpoint);
+
+/// To be called before this process ends on an error of LIGGGHTS: where it serves a driver, that hears the
+/// error.
+void say_last_words();
+
+inline constexpr const char* served =
+    "served";                                  ///< a file that it makes in its folder when a driver has come
+inline constexpr const char* alive = "alive";  ///< one whose time it renews as long as it runs
 
 }  // namespace tuft::dem

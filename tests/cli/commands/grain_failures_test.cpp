@@ -163,7 +163,8 @@ TEST_F(GrainFailure, OfAHostToResumeWithLeavesSummaryAndReportAsTheyWere) {
     EXPECT_EQ(read_text(run_ + "/summary.json"), kept);
     EXPECT_EQ(read_text(run_ + "/report.html"), page);
   };
-  expect_bad_input(run_tuft({"resume", run_, "--host", "/no/such/host"}), {"/no/such/host", "does not exist"});
+  expect_bad_input(run_tuft({"resume", run_, "--host", "/no/such/host"}),
+                   {"/no/such/host", "does not exist"});
   expect_as_it_was();
   const Outcome refused = run_tuft({"resume", run_, "--host", "/bin/false"});
   expect_failed_run(refused, {"liggghts_host ended with exit code 1"});
@@ -184,8 +185,8 @@ TEST_F(GrainFailure, OfAHostThatIsNotThereIsBadInputBeforeAnythingIsWritten) {
     expect_bad_input(compared, {host});
     EXPECT_FALSE(fs::exists(run_));
   }
-  EXPECT_EQ(run_tuft({"check", "inputs/clegg_small.toml", "--set", "infill.dem.host=/no/such/host"}).exit_code,
-            0)
+  EXPECT_EQ(
+      run_tuft({"check", "inputs/clegg_small.toml", "--set", "infill.dem.host=/no/such/host"}).exit_code, 0)
       << "a continuum needs no host";
 }
 

@@ -68,7 +68,8 @@ TEST_F(SharedPackings, ServeAnotherRigAndGiveTheBitsOfOneMadeAnew) {
   EXPECT_FALSE(from_cache("anew"));
   run("kept");
   EXPECT_TRUE(from_cache("kept"));
-  EXPECT_LT(summary("kept")["cost"]["packing"].get<double>(), summary("anew")["cost"]["packing"].get<double>());
+  EXPECT_LT(summary("kept")["cost"]["packing"].get<double>(),
+            summary("anew")["cost"]["packing"].get<double>());
   expect_same_records(place_.path("kept"), place_.path("anew"));
   run("other_rig", {"--set", "rig.speed=1 m/s"});
   EXPECT_TRUE(from_cache("other_rig"));
@@ -119,19 +120,18 @@ TEST_F(SharedPackings, OfACarpetOfAnotherSizeAreMadeAnewAndSaidToBe) {
 
 TEST_F(SharedPackings, OfASpecimenThatAreDamagedAreMadeAnewAndSaidToBe) {
   const auto ring = [&](const std::string& name) {
-    const Outcome outcome =
-        run_tuft({"run",   "inputs/oedometer_sbr.toml",
-                  "--out", place_.path(name),
-                  "--set", "infill.approach=dem",
-                  "--set", "infill.dem.material_coarse_graining.sbr=2.5",
-                  "--set", "infill.dem.settle_time=1 ms",
-                  "--set", "rig.diameter=16 mm",
-                  "--set", "rig.height=8 mm",
-                  "--set", "rig.preloads=[\"5 N\"]",
-                  "--set", "rig.seating_force=2 N",
-                  "--set", "rig.cycles=1",
-                  "--set", "rig.speed_factor=500.0",
-                  "--set", "rig.sample_travel=20 um"});
+    const Outcome outcome = run_tuft({"run",   "inputs/oedometer_sbr.toml",
+                                      "--out", place_.path(name),
+                                      "--set", "infill.approach=dem",
+                                      "--set", "infill.dem.material_coarse_graining.sbr=2.5",
+                                      "--set", "infill.dem.settle_time=1 ms",
+                                      "--set", "rig.diameter=16 mm",
+                                      "--set", "rig.height=8 mm",
+                                      "--set", "rig.preloads=[\"5 N\"]",
+                                      "--set", "rig.seating_force=2 N",
+                                      "--set", "rig.cycles=1",
+                                      "--set", "rig.speed_factor=500.0",
+                                      "--set", "rig.sample_travel=20 um"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   };
   ring("first");

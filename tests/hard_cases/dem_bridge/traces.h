@@ -14,6 +14,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace tuft::dem::test {
 
@@ -31,6 +32,22 @@ inline bool gone_within(int process, double seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return false;
+}
+
+/// Processes that the process has started, and theirs.
+inline std::vector<int> descendants(int process) {
+  std::vector<int> found;
+  const std::string task = "/proc/" + std::to_string(process) + "/task/";
+  std::error_code ended;
+  for (const auto& thread : std::filesystem::directory_iterator(task, ended)) {
+    std::ifstream children(thread.path() / "children");
+    for (int child = 0; children >> child;) {
+      found.push_back(child);
+      const auto below = descendants(child);
+      found.insert(found.end(), below.begin(), below.end());
+    }
+  }
+  return found;
 }
 
 /// A temporary folder of the test's own, so that whatever is in it at the end was left by the test.

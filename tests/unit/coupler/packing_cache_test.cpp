@@ -204,8 +204,9 @@ TEST_F(KeptPacking, OfMaterialsThatAreNoGrainsIsNotTaken) {
 
 TEST_F(KeptPacking, ThatIsRefusedIsNotTaken) {
   cache_of(scene_).store(packing());
-  EXPECT_NE(trouble([](const Packing&) { throw_run_error("of another carpet's nodes"); })
-                .find("of another carpet's nodes"),
+  EXPECT_NE(trouble([](const Packing&) {
+              throw_run_error("of another carpet's nodes");
+            }).find("of another carpet's nodes"),
             std::string::npos);
 }
 

@@ -219,6 +219,21 @@ TEST(CoarseFields, LeaveOutWhatIsBeyondTheGridAndSaySo) {
   EXPECT_EQ(largest(fields.stress), 0);
 }
 
+TEST(CoarseFields, CountWhatIsBeyondTheRimByLessThanTheMarginAsOnIt) {
+  Sample beyond, on;
+  beyond.add(Vec3(0, 0, 0.0201), Vec3(0.1, 0, 0), 3e-6);
+  on.add(Vec3(0, 0, 0.02), Vec3(0.1, 0, 0), 3e-6);
+  CoarseGrid grid = cube(0.004);
+  ASSERT_EQ(grid.high().z(), 0.02);
+  grid.margin = 0.00011;
+  const CoarseFields fields = fields_of(beyond, grid, 0.004), at_rim = fields_of(on, grid, 0.004);
+  EXPECT_EQ(fields.outside, 0u);
+  EXPECT_NEAR(integral(fields.density, grid), 3e-6, 1e-20);
+  EXPECT_EQ(fields.density, at_rim.density);
+  grid.margin = 0.00009;
+  EXPECT_EQ(fields_of(beyond, grid, 0.004).outside, 1u);
+}
+
 TEST(CoarseFields, TakeStressFromParticlesWhereTheyHaveIt) {
   Sample sample;
   sample.add(Vec3(0.001, 0.002, -0.003), Vec3::Zero(), 1e-6);

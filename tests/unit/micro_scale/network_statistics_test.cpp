@@ -69,7 +69,7 @@ TEST(NetworkStatistics, OfNoContactsAreZeroAndFinite) {
 
 TEST(ForceDistribution, HasTheAreaOneAndTheMeanOne) {
   const Sample sample = test::cloud(400, 0.01);
-  const std::vector<double> density = force_distribution(sample.network, 80, 0.1);
+  const std::vector<double> density = force_distribution(sample.network, {80, 0.1});
   const double area = 0.1 * std::accumulate(density.begin(), density.end(), 0.0);
   EXPECT_NEAR(area, 1, 1e-12);
   double mean = 0;

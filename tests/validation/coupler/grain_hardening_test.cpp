@@ -35,25 +35,35 @@ RunSummary drop(const Overrides& overrides) {
   return summary;
 }
 
+/// g, of a bed at rest. Between seeds, and between processors, peaks differ by some 4 %
+/// (docs/conditioning.md).
+double peak_of(const char* what, const char* seed, const Overrides& more) {
+  Overrides overrides = plastic(more);
+  overrides.emplace_back("numerics.seed", seed);
+  const RunSummary s = drop(overrides);
+  if (s.status != "completed") return 0;
+  const double peak = s.results.at("peak_g").value;
+  std::printf("seed %s, %s: %.1f g on %.1f mm\n", seed, what, peak,
+              1e3 * s.notes.at("bed_released_depth").value);
+  EXPECT_EQ(s.notes.at("bed_at_rest").value, 1);
+  if (!more.empty()) {
+    EXPECT_EQ(s.notes.at("conditioning_stays").value, 1);
+  }
+  return peak;
+}
+
 TEST(GrainsOnTurf, PressedByTenMillimetresAnswerThirtyPercentHarder) {
-  const RunSummary laid = drop(plastic());
-  const RunSummary pressed = drop(plastic({{"conditioning.method", "compaction"},
-                                           {"conditioning.depth", "10 mm"},
-                                           {"conditioning.press_time", "12 ms"},
-                                           {"conditioning.lift_time", "8 ms"},
-                                           {"conditioning.settle_time", "5 ms"},
-                                           {"conditioning.presses", "5"},
-                                           {"conditioning.tolerance", "0.5 mm"}}));
-  ASSERT_TRUE(laid.status == "completed" && pressed.status == "completed");
-  const auto peak = [](const RunSummary& s) { return s.results.at("peak_g").value; };
-  const auto note = [](const RunSummary& s, const char* name) { return s.notes.at(name).value; };
-  std::printf("as laid %.1f g on %.1f mm, pressed %.1f g on %.1f mm\n", peak(laid),
-              1e3 * note(laid, "bed_released_depth"), peak(pressed),
-              1e3 * note(pressed, "bed_released_depth"));
-  EXPECT_EQ(note(laid, "bed_at_rest"), 1);
-  EXPECT_EQ(note(pressed, "bed_at_rest"), 1);
-  EXPECT_EQ(note(pressed, "conditioning_stays"), 1);
-  EXPECT_GE(peak(pressed), 1.3 * peak(laid));
+  const Overrides press{{"conditioning.method", "compaction"}, {"conditioning.depth", "10 mm"},
+                        {"conditioning.press_time", "12 ms"},  {"conditioning.lift_time", "8 ms"},
+                        {"conditioning.settle_time", "5 ms"},  {"conditioning.presses", "5"},
+                        {"conditioning.tolerance", "0.5 mm"}};
+  double laid = 0, pressed = 0;
+  for (const char* seed : {"1", "2"}) {
+    laid += peak_of("as laid", seed, {});
+    pressed += peak_of("pressed", seed, press);
+  }
+  ASSERT_GT(laid, 0);
+  EXPECT_GE(pressed, 1.3 * laid);
 }
 
 }  // namespace

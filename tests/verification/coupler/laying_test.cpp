@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "coarse_scene.h"
+#include "core/geometry.h"
 #include "coupler/build_simulation.h"
 #include "coupler/settled_packing.h"
 
@@ -84,6 +88,63 @@ TEST(Laying, PushesStrandsAside) {
   EXPECT_GT(farthest, 5e-4);
   EXPECT_LT(farthest, scene.turf.carpet.pile_length);
   EXPECT_GT(bed.carpet.strain, 0);
+}
+
+/// How deep spheres are in shells, over their radius: the largest.
+double deepest_in_strands(const SettledGrains& bed, const fe::ShellMesh& mesh) {
+  double deepest = 0;
+  for (std::size_t e = 0; e < mesh.quads.size(); ++e) {
+    std::array<Vec3, 4> corner;
+    for (std::size_t c = 0; c < 4; ++c)
+      corner[c] = bed.carpet.position[static_cast<std::size_t>(mesh.quads[e][c])];
+    for (std::size_t i = 0; i < bed.grains.size(); ++i) {
+      const Vec3 centre = bed.grains.position[i];
+      const double radius = bed.grains.radius[i];
+      if ((centre - corner[0]).norm() > radius + 0.02) continue;
+      const double reach = radius + 0.5 * mesh.thickness[e];
+      const FacetPoint at = closest_point_on_facet(centre, corner);
+      deepest = std::max(deepest, (reach - std::sqrt(at.distance_squared)) / radius);
+    }
+  }
+  return deepest;
+}
+
+SettledGrains settled(const Scene& scene) {
+  const std::vector<EffectDecision> effects = decide_effects(scene);
+  return settle_grains(scene, effects, build_carpet_mesh(scene, effects), {});
+}
+
+Scene at_rest(const char* packing_friction) {
+  Scene scene = scene_of(1, packing_friction);
+  scene.infill.dem.use_cache = false;
+  scene.infill.dem.settle_time_limit = 0.1;
+  return scene;
+}
+
+/// A strand that had cut through a grain would be as deep in it as its radius on the way.
+TEST(Laying, TearsNoStrandThroughAGrain) {
+  for (const char* friction : {"1", "0"}) {
+    const Scene scene = at_rest(friction);
+    const SettledGrains bed = settled(scene);
+    EXPECT_TRUE(bed.report.laid);
+    EXPECT_TRUE(bed.report.at_rest);
+    const double deepest = deepest_in_strands(bed, build_carpet_mesh(scene, decide_effects(scene)));
+    EXPECT_GT(deepest, 0) << "nothing touches";
+    EXPECT_LT(deepest, 0.15) << "of the radius";
+  }
+}
+
+/// Clumps part as bodies when they have become stiff, not before.
+TEST(Laying, OfClumpsComesToRestToo) {
+  Scene scene = at_rest("1");
+  const auto sbr = std::ranges::find(scene.materials, std::string("sbr"), &Material::name);
+  ASSERT_NE(sbr, scene.materials.end());
+  sbr->grain->clump = Clump{ClumpShape::tetrahedron, 0.4};
+  const SettledGrains bed = settled(scene);
+  EXPECT_TRUE(bed.report.laid);
+  EXPECT_TRUE(bed.report.at_rest);
+  ASSERT_FALSE(bed.grains.body.empty());
+  EXPECT_LT(deepest_in_strands(bed, build_carpet_mesh(scene, decide_effects(scene))), 0.15);
 }
 
 }  // namespace

@@ -208,13 +208,13 @@ void expect_janssen(const Reading& r) {
 }
 
 TEST(GrainsInATubeThatIsRaised, PressItsFloorAsJanssenSays) {
-  const std::vector<Reading> fillings{mean_of_fillings(200, 1), mean_of_fillings(400, 2),
+  const std::vector<Reading> fillings{mean_of_fillings(200, 2), mean_of_fillings(400, 4),
                                       mean_of_fillings(800, 6)};
   const double ratio = stress_ratio(fillings.back());
   for (const Reading& r : fillings) {
     expect_janssen(r);
     const double share = r.floor / r.weight;
-    EXPECT_NEAR(share, janssen(r, ratio, 0), 0.06 * share) << "with K of the tallest filling";
+    EXPECT_NEAR(share, janssen(r, ratio, 0), 0.09 * share) << "with K of the tallest filling";
   }
   const double weight = fillings[0].weight;
   EXPECT_LT(fillings[1].floor - fillings[0].floor, 0.6 * weight) << "as much again is filled in";

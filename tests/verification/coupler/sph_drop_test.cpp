@@ -257,5 +257,22 @@ TEST(SphDrop, ResumedFromItsMiddleGivesTheSameBitsAsNeverStopped) {
   EXPECT_EQ(error_of("through"), error_of("resumed"));
 }
 
+/// The place at touch is known when the drop is over: rows recorded before do not count from another.
+TEST(SphDrop, PenetrationIsOfOneZeroThroughout) {
+  const RunSummary s = drop("one-zero", {});
+  const std::vector<double> depth = history("one-zero", "penetration"),
+                            height = history("one-zero", "height");
+  ASSERT_EQ(depth.size(), height.size());
+  EXPECT_EQ(*std::ranges::max_element(depth), s.results.at("max_penetration").value);
+  const auto deepest = static_cast<std::size_t>(std::ranges::max_element(depth) - depth.begin());
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (depth[i] == 0) continue;
+    EXPECT_NEAR(depth[i] + height[i], depth[deepest] + height[deepest], 1e-15);
+    ++counted;
+  }
+  EXPECT_GT(counted, 20u);
+}
+
 }  // namespace
 }  // namespace tuft::rigs

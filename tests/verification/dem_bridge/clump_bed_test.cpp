@@ -16,46 +16,6 @@ namespace {
 
 constexpr double diameter = 0.002;
 
-/// A block of clumps of many turns, some spheres of another kind among them, in walls of springs.
-struct ClumpBlock {
-  Grains grains;
-  std::vector<Material> materials;
-  double half_width = 0;
-
-  ClumpBlock(const Clump& clump, int per_side, bool with_spheres, double restitution = 0.5)
-      : materials{clumped(clump, restitution), grain_material(2e7, 0.3, 2000, restitution, 0.4)} {
-    const double pitch = 1.1 * diameter;
-    half_width = 0.5 * pitch * per_side;
-    for (int k = 0; k < per_side; ++k)
-      for (int j = 0; j < per_side; ++j)
-        for (int i = 0; i < per_side; ++i) {
-          const Vec3 x = pitch * Vec3(i + 0.5, j + 0.5, k + 0.5) - Vec3::Constant(half_width);
-          const int n = i + per_side * (j + per_side * k);
-          if (with_spheres && n % 3 == 1) {
-            add_grain(grains, x, 0.4 * diameter, 2000);
-            grains.material.back() = 1;
-            grains.body.push_back(-1);
-          } else {
-            add_clump(grains, materials[0], x, diameter * (1 - 0.02 * (n % 5)),
-                      turn_about(Vec3(std::sin(n), std::cos(2 * n), std::sin(3 * n + 1)), n));
-          }
-        }
-  }
-  void shake(DemInfill& infill, double speed) const {
-    for (std::size_t i = 0; i < grains.size(); ++i) {
-      if (i > 0 && grains.body[i] >= 0 && grains.body[i] == grains.body[i - 1]) continue;
-      const double a = 1.0 + static_cast<double>(i) * 0.7, b = 2.0 + static_cast<double>(i) * 1.3;
-      infill.set_velocity(i, speed * Vec3(std::sin(a), std::cos(b), std::sin(a + b)),
-                          200 * speed * Vec3(std::cos(a), std::sin(b), std::cos(a - b)));
-    }
-  }
-  [[nodiscard]] ContactImpulses confine(const DemInfill& infill, double window) const {
-    ShakenBlock walls(1);
-    walls.half_width = half_width;
-    return walls.confine(infill, window);
-  }
-};
-
 DemSettings settings_of_bed() {
   DemSettings settings = settings_in_box(0.05, Vec3(0, 0, -9.81));
   settings.rolling_resistance = true;

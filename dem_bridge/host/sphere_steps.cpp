@@ -1,0 +1,188 @@
+#include "dem_bridge/host/sphere_steps.h"
+
+#include <array>
+
+#include "dem_bridge/host/kick.h"
+
+namespace tuft::dem {
+namespace {
+
+Vec3 row(const double* rows, std::size_t a) {
+  return {rows[3 * a], rows[3 * a + 1], rows[3 * a + 2]};
+}
+void set_row(double* rows, std::size_t a, const Vec3& value) {
+  for (std::size_t c = 0; c < 3; ++c) rows[3 * a + c] = value[static_cast<Eigen::Index>(c)];
+}
+
+/// Spheres that are moved at once.
+constexpr std::size_t block_size = 32;
+static_assert(block_size % lanes == 0);
+
+/// Three values of each sphere of a block, by component, and back.
+struct alignas(stdx::memory_alignment_v<Pack>) BlockRows {
+  std::array<double, block_size> x, y, z;
+
+  void read(const double* rows) {
+    for (std::size_t k = 0; k < block_size; ++k) {
+      x[k] = rows[3 * k];
+      y[k] = rows[3 * k + 1];
+      z[k] = rows[3 * k + 2];
+    }
+  }
+  void write(double* rows) const {
+    for (std::size_t k = 0; k < block_size; ++k) {
+      rows[3 * k] = x[k];
+      rows[3 * k + 1] = y[k];
+      rows[3 * k + 2] = z[k];
+    }
+  }
+  [[nodiscard]] Pack3 pack(std::size_t k) const { return {load(&x[k]), load(&y[k]), load(&z[k])}; }
+  void set(std::size_t k, const Pack3& value) {
+    store(&x[k], value.x);
+    store(&y[k], value.y);
+    store(&z[k], value.z);
+  }
+};
+
+/// Contact forces and torques on the spheres of a block.
+struct BlockLoads {
+  BlockRows force, torque;                         ///< set in packs of which any sphere is touched
+  std::array<bool, block_size / lanes> touched{};  ///< by pack
+
+  void read(std::span<const LoadRecord> loads, std::size_t first, double per_second) {
+    for (const LoadRecord& load : loads) {
+      const std::size_t k = load.grain - first, pack = k / lanes;
+      if (!touched[pack]) {
+        const Pack none = 0.0;
+        force.set(pack * lanes, {none, none, none});
+        torque.set(pack * lanes, {none, none, none});
+        touched[pack] = true;
+      }
+      force.x[k] = per_second * load.impulse[0];
+      force.y[k] = per_second * load.impulse[1];
+      force.z[k] = per_second * load.impulse[2];
+      torque.x[k] = per_second * load.angular[0];
+      torque.y[k] = per_second * load.angular[1];
+      torque.z[k] = per_second * load.angular[2];
+    }
+  }
+};
+
+/// Sums by lane.
+struct BlockSums {
+  Pack kinetic = 0.0, pair_work = 0.0, contact_work = 0.0, damping_work = 0.0;
+  std::array<Pack, 3> received{0.0, 0.0, 0.0}, scale{0.0, 0.0, 0.0};  ///< N, of contact forces
+
+  void receive(const Pack3& force) {
+    using std::abs;
+    const std::array<Pack, 3> components{force.x, force.y, force.z};
+    for (std::size_t c = 0; c < 3; ++c) {
+      received[c] += components[c];
+      scale[c] += abs(components[c]);
+    }
+  }
+  void add_to(KickSums& sums, double step) const {
+    sums.kinetic += sum_lanes(kinetic);
+    sums.pair_work += sum_lanes(pair_work);
+    sums.contact_work += sum_lanes(contact_work);
+    sums.damping_work += sum_lanes(damping_work);
+    for (std::size_t c = 0; c < 3; ++c) {
+      sums.received[c] += step * sum_lanes(received[c]);
+      sums.scale[c] += step * sum_lanes(scale[c]);
+    }
+  }
+};
+
+struct Block {
+  std::size_t first;  ///< its first sphere
+  BlockRows velocity, spin, force, torque;
+  BlockLoads loads;
+
+  [[nodiscard]] GrainStateOf<Pack3, Pack> state(const SphereStep& step, std::size_t k) const {
+    const Pack mass(step.mass + first + k, stdx::element_aligned),
+        radius(step.radius + first + k, stdx::element_aligned);
+    return {velocity.pack(k), spin.pack(k), force.pack(k),
+            torque.pack(k),   mass,         0.4 * mass * radius * radius};
+  }
+};
+
+template <bool loaded, bool with_kinetic>
+void kick_block(const SphereStep& step, Block& block, BlockSums& sums) {
+  const Pack none = 0.0;
+  const Pack3 gravity{step.gravity.x(), step.gravity.y(), step.gravity.z()};
+  for (std::size_t k = 0; k < block_size; k += lanes) {
+    GrainLoadOf<Pack3> load{{none, none, none}, {none, none, none}, gravity, step.damping, step.step};
+    if (loaded && block.loads.touched[k / lanes]) {
+      load.contact_force = block.loads.force.pack(k);
+      load.contact_torque = block.loads.torque.pack(k);
+      sums.receive(load.contact_force);
+    }
+    const auto done = kick_grain(block.state(step, k), load);
+    block.velocity.set(k, done.velocity);
+    block.spin.set(k, done.spin);
+    if constexpr (with_kinetic) sums.kinetic += done.kinetic;
+    sums.pair_work += done.pair_work;
+    sums.contact_work += done.contact_work;
+    sums.damping_work += done.damping_work;
+  }
+}
+
+void drift(const SphereStep& step, std::size_t first, std::size_t end) {
+  const double* const v = step.velocity;
+  double* const x = step.position;
+#pragma omp simd
+  for (std::size_t k = 3 * first; k < 3 * end; ++k) x[k] += step.step * v[k];
+}
+
+void step_block(const SphereStep& step, std::size_t first, bool with_kinetic,
+                std::span<const LoadRecord> loads, BlockSums& sums) {
+  Block block;
+  block.first = first;
+  block.velocity.read(step.velocity + 3 * first);
+  block.spin.read(step.spin + 3 * first);
+  block.force.read(step.force + 3 * first);
+  block.torque.read(step.torque + 3 * first);
+  if (loads.empty()) {
+    with_kinetic ? kick_block<false, true>(step, block, sums) : kick_block<false, false>(step, block, sums);
+  } else {
+    block.loads.read(loads, first, step.per_second);
+    with_kinetic ? kick_block<true, true>(step, block, sums) : kick_block<true, false>(step, block, sums);
+  }
+  block.velocity.write(step.velocity + 3 * first);
+  block.spin.write(step.spin + 3 * first);
+  drift(step, first, first + block_size);
+}
+
+}  // namespace
+
+void step_sphere(const SphereStep& step, std::size_t a, std::span<const LoadRecord> loads, KickSums& sums) {
+  const double mass = step.mass[a], radius = step.radius[a];
+  const GrainState grain{
+      row(step.velocity, a),       row(step.spin, a), row(step.force, a), row(step.torque, a), mass,
+      0.4 * mass * radius * radius};
+  GrainLoad load{Vec3(0, 0, 0), Vec3(0, 0, 0), step.gravity, step.damping, step.step};
+  if (!loads.empty()) {
+    load.contact_force = step.per_second * Vec3(loads.front().impulse.data());
+    load.contact_torque = step.per_second * Vec3(loads.front().angular.data());
+    sums.receive(step.step * load.contact_force);
+  }
+  const GrainKick done = kick_grain(grain, load);
+  set_row(step.velocity, a, done.velocity);
+  set_row(step.spin, a, done.spin);
+  drift(step, a, a + 1);
+  sums.kinetic += done.kinetic;
+  sums.pair_work += done.pair_work;
+  sums.contact_work += done.contact_work;
+  sums.damping_work += done.damping_work;
+}
+
+void step_spheres(const SphereStep& step, std::size_t first, std::size_t end, bool with_kinetic,
+                  LoadCursor& cursor, KickSums& sums) {
+  BlockSums of_blocks;
+  for (; first + block_size <= end; first += block_size)
+    step_block(step, first, with_kinetic, cursor.of(first, first + block_size), of_blocks);
+  of_blocks.add_to(sums, step.step);
+  for (; first < end; ++first) step_sphere(step, first, cursor.of(first, first + 1), sums);
+}
+
+}  // namespace tuft::dem
