@@ -16,13 +16,15 @@ namespace {
 
 CheckpointMoment restore_specimen(const std::filesystem::path& checkpoint, const Scene& scene) {
   const std::unique_ptr<SpecimenTest> rig = make_specimen_test(scene);
+  const auto read = [&](const auto& rest) {
+    static_cast<void>(read_books(checkpoint, scene, specimen_format, rest));
+  };
+  SpecimenTally tally;
+  read([&](const h5::Group& root) { tally = read_tally(root, rig->tests()); });
   CheckpointMoment moment;
-  (void)read_books(checkpoint, scene, specimen_format, [&](const h5::Group& root) {
-    const SpecimenTally tally = read_tally(root, rig->tests());
-    moment.simulation = build_specimen_test(scene, *rig, tally.test);
-    moment.simulation->load(root.open_group("simulation"));
-    moment.time = tally.time_before + rig->interval() * static_cast<double>(tally.row);
-  });
+  moment.simulation = build_specimen_test(scene, *rig, tally.test);  // where that fails, no file is to blame
+  read([&](const h5::Group& root) { moment.simulation->load(root.open_group("simulation")); });
+  moment.time = tally.time_before + rig->interval() * static_cast<double>(tally.row);
   return moment;
 }
 

@@ -1,6 +1,7 @@
 /// Whatever happens to the host or to its driver: one clear line, soon, and nothing left behind.
 #include <fcntl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -73,6 +74,37 @@ TEST_F(HostFailure, KilledInTheMiddleOfAWindowIsAClearErrorWithinASecond) {
   EXPECT_LT(seconds_since(killed), 1.0);
   EXPECT_NE(message.find("signal 9"), std::string::npos) << message;
   EXPECT_TRUE(gone_within(host, 0.1));
+}
+
+/// Of five kills the quickest counts: on a machine that is busy others may wait for a processor.
+TEST_F(HostFailure, IsKnownWithinATenthOfASecond) {
+  for (const bool in_a_window : {true, false}) {
+    double quickest = 1e9;
+    for (int attempt = 0; attempt < 5 && quickest >= 0.1; ++attempt) {
+      start();
+      const int host = infill_->host_process();
+      Clock::time_point killed;
+      const auto kill_it = [&] {
+        killed = Clock::now();
+        ::kill(host, SIGKILL);
+      };
+      std::thread killer;
+      if (in_a_window)
+        killer = std::thread([&] {
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+          kill_it();
+        });
+      else
+        kill_it();
+      const std::string message = message_of<RunError>([&] { advance(50'000'000); });
+      const Clock::time_point known = Clock::now();
+      if (in_a_window) killer.join();
+      EXPECT_NE(message.find("signal 9"), std::string::npos) << message;
+      quickest = std::min(quickest, std::chrono::duration<double>(known - killed).count());
+      infill_.reset();
+    }
+    EXPECT_LT(quickest, 0.1) << "s, " << (in_a_window ? "in" : "before") << " a window";
+  }
 }
 
 TEST_F(HostFailure, ThatHangsIsEndedAfterTheTimeout) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <sstream>
@@ -144,6 +145,48 @@ TEST_F(Ranks, KillingOneIsAClearErrorAndEndsAll) {
   EXPECT_TRUE(is_one_line(message)) << message;
   EXPECT_NE(message.find("liggghts_host ended with exit code"), std::string::npos) << message;
   EXPECT_NE(message.find("exited on signal 9 (Killed)"), std::string::npos) << message;
+  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
+}
+
+TEST_F(Ranks, StoppingOneIsAClearErrorAfterTheTimeoutAndEndsAll) {
+  settings_.options.answer_timeout = 6;
+  const auto infill = shaken(2);
+  advance(*infill, 1);
+  std::vector<int> all = descendants(infill->host_process());
+  ASSERT_GE(all.size(), 2u);
+  ::kill(all.back(), SIGSTOP);
+  all.push_back(infill->host_process());
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string message = message_of<RunError>([&] { advance(*infill, 1); });
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 12);
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find("liggghts_host did not answer for 6 s"), std::string::npos) << message;
+  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
+}
+
+TEST_F(Ranks, KillingWhatStartedThemIsAClearErrorAndEndsAll) {
+  const auto infill = shaken(2);
+  advance(*infill, 1);
+  const std::vector<int> all = descendants(infill->host_process());
+  ASSERT_GE(all.size(), 2u);
+  ::kill(infill->host_process(), SIGKILL);
+  const std::string message = message_of<RunError>([&] { advance(*infill, 1); });
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find("liggghts_host ended with signal 9"), std::string::npos) << message;
+  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
+}
+
+/// The first rank alone opens restart files. A folder of that name is in its way; the other one waits for it.
+TEST_F(Ranks, AnErrorOfLiggghtsOnOneAloneComesWithItsWordsAndEndsAll) {
+  const auto infill = shaken(2);
+  advance(*infill, 1);
+  for (const auto& scratch : fs::directory_iterator(folder()))
+    fs::create_directory(scratch.path() / "restart");
+  const std::vector<int> all = descendants(infill->host_process());
+  ASSERT_GE(all.size(), 2u);
+  const std::string message = message_of<RunError>([&] { save(*infill); });
+  EXPECT_TRUE(is_one_line(message)) << message;
+  EXPECT_NE(message.find("Cannot open restart file"), std::string::npos) << message;
   for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
 }
 
