@@ -1,4 +1,5 @@
 /// What a run on grains says of grains that leave, and of its step.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands/command.h"
@@ -47,6 +48,29 @@ TEST(GrainReports, TellTheStepOverTheRayleighTimeWhichLongWindowsDoNotRaise) {
     EXPECT_GT(share, 0.01) << window;
     EXPECT_LE(share, 0.2) << window;
   }
+}
+
+TEST(GrainReports, SayWhyWindowsAreNotAsAskedForInCheckLogAndSummary) {
+  const Workplace place;
+  const std::string folder = place.path("run"), asks = "numerics.coupling_window asks for 40 us";
+  std::vector<std::string> words =
+      grain_run(folder, {"--set", "scene.duration=0.2 ms", "--set", "numerics.coupling_window=40 us", "--set",
+                         "output.histories=20 us"});
+  const Outcome outcome = run_tuft(words);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find(asks), std::string::npos) << outcome.out;
+  EXPECT_NE(read_text(folder + "/log.txt").find(asks), std::string::npos);
+  const auto summary = nlohmann::json::parse(read_text(folder + "/summary.json"));
+  EXPECT_EQ(std::ranges::count_if(summary["remarks"],
+                                  [&](const auto& remark) {
+                                    return remark.template get<std::string>().find(asks) != std::string::npos;
+                                  }),
+            1);
+  words[0] = "check";
+  words.erase(std::ranges::find(words, "--out"), std::ranges::find(words, folder) + 1);
+  const Outcome checked = run_tuft(words);
+  ASSERT_EQ(checked.exit_code, 0) << checked.error;
+  EXPECT_NE(checked.out.find(asks), std::string::npos) << checked.out;
 }
 
 }  // namespace
