@@ -62,6 +62,17 @@ AttendedRun::~AttendedRun() {
   spdlog::set_default_logger(previous_logger_);
 }
 
+rigs::RunSummary AttendedRun::run(const rigs::RunRequest& request) {
+  try {
+    rigs::RunSummary summary = rigs::run(request);
+    conclude(summary);
+    return summary;
+  } catch (const std::exception& error) {
+    spdlog::error("failed: {}", error.what());
+    throw;
+  }
+}
+
 void AttendedRun::conclude(const rigs::RunSummary& summary) {
   if (summary.status == "failed")
     spdlog::error("failed: {}", summary.error);

@@ -21,7 +21,9 @@ class AttendedRun {
   /// Attaches to a request that is about to run. Throws InputError when log.txt cannot be written.
   AttendedRun(rigs::RunRequest& request, const std::string& title);
   ~AttendedRun();
-  /// Writes how the run ended into the log.
+  /// Runs it, and writes how it ended into the log. Throws what rigs::run throws.
+  [[nodiscard]] rigs::RunSummary run(const rigs::RunRequest& request);
+  /// Of a run that is made elsewhere: writes how it ended into the log.
   void conclude(const rigs::RunSummary& summary);
   AttendedRun(const AttendedRun&) = delete;
   AttendedRun& operator=(const AttendedRun&) = delete;

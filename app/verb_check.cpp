@@ -11,6 +11,7 @@ namespace {
 
 int check(const SceneArguments& arguments) {
   const Scene scene = read_scene_arguments(arguments);
+  rigs::check_host(scene);
   const rigs::RunPlan plan = rigs::plan(scene);
   if (scene.rig.is_component())
     fmt::print("{}: {}, {} shells, {} steps of {}\n", arguments.scene, scene.rig.type,

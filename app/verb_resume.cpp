@@ -37,6 +37,7 @@ int resume(const ResumeArguments& arguments) {
     fmt::print("{}: completed already, nothing to resume\n", arguments.folder);
     return 0;
   }
+  rigs::check_host(request.scene);
   std::error_code ignored;
   if (!std::filesystem::exists(request.folder / "checkpoint.h5", ignored)) {
     // The first checkpoint follows the first row. What has been recorded without is not written over.
@@ -50,12 +51,7 @@ int resume(const ResumeArguments& arguments) {
   request.stop_after_checkpoints = arguments.stop_after_checkpoints;
   const std::atomic<bool>& stop = catch_stop_signals();
   request.stop = &stop;
-  rigs::RunSummary summary;
-  {
-    AttendedRun attended(request, "");
-    summary = rigs::run(request);
-    attended.conclude(summary);
-  }
+  const rigs::RunSummary summary = AttendedRun(request, "").run(request);
   return conclude_run(request.folder, summary, stop);
 }
 

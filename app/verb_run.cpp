@@ -24,15 +24,11 @@ int run(const RunArguments& arguments) {
   request.folder = arguments.folder.empty() ? fmt::format("out/{}-{}", request.scene.info.name, approach)
                                             : arguments.folder;
   request.stop_after_checkpoints = arguments.stop_after_checkpoints;
+  rigs::check_host(request.scene);
   rigs::prepare_run_folder(request.folder, request.scene);
   const std::atomic<bool>& stop = catch_stop_signals();
   request.stop = &stop;
-  rigs::RunSummary summary;
-  {
-    AttendedRun attended(request, "");
-    summary = rigs::run(request);
-    attended.conclude(summary);
-  }
+  const rigs::RunSummary summary = AttendedRun(request, "").run(request);
   return conclude_run(request.folder, summary, stop);
 }
 

@@ -261,14 +261,6 @@ std::unique_ptr<Infill> build_grains(const BuildRequest& request, const fe::Shel
   return dem;
 }
 
-std::unique_ptr<fe::Carpet> build_carpet(const BuildRequest& request, fe::ShellMesh mesh) {
-  const Scene& scene = *request.scene;
-  ShellMaterial backing = scene.turf.carpet.backing, fibre = scene.turf.carpet.fibre;
-  if (!effect_on(request.effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
-  return std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
-                                      carpet_options(scene));
-}
-
 /// Tray, the rig's, and what conditions.
 void add_bodies(const BuildRequest& request, SimulationParts& parts, BuiltSimulation& built) {
   const Scene& scene = *request.scene;
@@ -318,6 +310,14 @@ void set_contact(const BuildRequest& request, SimulationParts& parts) {
 
 }  // namespace
 
+std::unique_ptr<fe::Carpet> build_carpet(const Scene& scene, const std::vector<EffectDecision>& effects,
+                                         fe::ShellMesh mesh) {
+  ShellMaterial backing = scene.turf.carpet.backing, fibre = scene.turf.carpet.fibre;
+  if (!effect_on(effects, "erosion")) backing.failure_strain = fibre.failure_strain = 0;
+  return std::make_unique<fe::Carpet>(std::move(mesh), std::vector<ShellMaterial>{backing, fibre},
+                                      carpet_options(scene));
+}
+
 BuiltSimulation build_simulation(const BuildRequest& request) {
   const Scene& scene = *request.scene;
   BuiltSimulation built;
@@ -328,7 +328,7 @@ BuiltSimulation build_simulation(const BuildRequest& request) {
   if (request.carpet != nullptr) carpet = *request.carpet;
   parts.infill = scene.infill.approach == Approach::sph ? build_continuum(request, built)
                                                         : build_grains(request, mesh, built, carpet);
-  parts.carpet = build_carpet(request, std::move(mesh));
+  parts.carpet = build_carpet(scene, request.effects, std::move(mesh));
   if (carpet) parts.carpet->take_shape(*carpet);
   add_bodies(request, parts, built);
   set_contact(request, parts);

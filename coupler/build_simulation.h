@@ -54,6 +54,11 @@ struct BuiltSimulation {
 /// What of it the effects ask for: with neither fibres nor backing a mesh of nothing.
 [[nodiscard]] fe::ShellMesh build_carpet_mesh(const Scene& scene, const std::vector<EffectDecision>& effects);
 
+/// The carpet on such a mesh, of the scene's materials; shells fail by the effect.
+[[nodiscard]] std::unique_ptr<fe::Carpet> build_carpet(const Scene& scene,
+                                                       const std::vector<EffectDecision>& effects,
+                                                       fe::ShellMesh mesh);
+
 /// How a scene's carpet is stepped: sections, damping, gravity, mass scaling, subcycling.
 [[nodiscard]] fe::CarpetOptions carpet_options(const Scene& scene);
 

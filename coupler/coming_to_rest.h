@@ -2,6 +2,7 @@
 /// Packed grains come to rest by dynamics, while strands stand still.
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/scene.h"
@@ -18,6 +19,7 @@ struct PackingReport {
   double moved = 0;      ///< grains that stuck between strands and were placed elsewhere in their layer
   double tolerance = 0;  ///< the share of weight unborne that counted as rest
   bool laid = true;      ///< false: laying ended (laying.h) while the bed yet sank or rose
+  std::string cache_trouble{};  ///< a line on the cache's file, where it was of no use; empty: there was none
 };
 [[nodiscard]] std::vector<double> numbers_of(const PackingReport& report);
 [[nodiscard]] PackingReport packing_report_of(std::span<const double> numbers);

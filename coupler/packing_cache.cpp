@@ -1,7 +1,12 @@
 #include "coupler/packing_cache.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <string>
+#include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "core/scene_reader.h"
@@ -51,17 +56,6 @@ std::filesystem::path cache_folder() {
   return {};
 }
 
-/// Arrays of one length each; what the carpet needs is seen when it takes the shape.
-bool is_whole(const Packing& packing) {
-  const dem::Grains& grains = packing.grains;
-  const std::size_t count = grains.radius.size(), nodes = packing.carpet.position.x.size();
-  const auto of_all = [&](std::size_t length) { return length == count; };
-  return count > 0 && of_all(grains.position.x.size()) && of_all(grains.position.y.size()) &&
-         of_all(grains.position.z.size()) && of_all(grains.density.size()) && of_all(grains.layer.size()) &&
-         of_all(grains.material.size()) && (grains.body.empty() || of_all(grains.body.size())) &&
-         packing.carpet.position.y.size() == nodes && packing.carpet.position.z.size() == nodes;
-}
-
 template <class Value>
 void append_bytes(std::string& bytes, const std::vector<Value>& values) {
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
@@ -84,36 +78,71 @@ std::string fingerprint(const fe::ShellMesh& mesh) {
 }
 
 PackingCache::PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects,
-                           std::string_view surroundings) {
+                           std::string_view surroundings)
+    : layers_(scene.turf.layers.size()) {
+  for (const Material& material : scene.materials) grain_kinds_.push_back(material.grain.has_value());
   const std::filesystem::path folder = cache_folder();
   if (scene.infill.dem.use_cache && !folder.empty())
     path_ = folder / ("packing-" + packing_key(scene, effects, surroundings) + ".h5");
 }
 
-bool PackingCache::load(Packing& packing) const {
-  if (path_.empty() || !std::filesystem::exists(path_)) return false;
+Packing PackingCache::read() const {
+  const h5::File file = h5::File::open(path_);
+  const h5::Group root = file.root();
+  const auto numbers = [&](const char* name, std::size_t count, double least) {
+    std::vector<double> values = root.read_doubles(name);
+    if (values.size() != count)
+      throw_run_error("{} holds {} values instead of {}", name, values.size(), count);
+    for (const double value : values)
+      if (!std::isfinite(value) || value < least) throw_run_error("{} holds {:g}", name, value);
+    return values;
+  };
+  const auto indices = [&](const char* name, std::size_t count, std::int32_t least, std::size_t end) {
+    const std::vector<double> values = numbers(name, count, least);
+    for (const double value : values)
+      if (!(value < static_cast<double>(end)) || value != std::floor(value))
+        throw_run_error("{} holds {:g}", name, value);
+    return std::vector<std::int32_t>(values.begin(), values.end());
+  };
+  constexpr double positive = std::numeric_limits<double>::min(), any = std::numeric_limits<double>::lowest();
+  Packing packing;
+  dem::Grains& grains = packing.grains;
+  const std::size_t count = root.read_doubles("radius").size();
+  if (count == 0) throw_run_error("it holds not a single grain");
+  grains.position = {numbers("x", count, any), numbers("y", count, any), numbers("z", count, any)};
+  grains.radius = numbers("radius", count, positive);
+  grains.density = numbers("density", count, positive);
+  grains.layer = indices("layer", count, 0, std::max<std::size_t>(1, layers_));
+  grains.material = indices("material", count, 0, grain_kinds_.size());
+  for (const std::int32_t material : grains.material)
+    if (grain_kinds_[static_cast<std::size_t>(material)] == 0)
+      throw_run_error("material holds {}, which is no grain's", material);
+  if (root.has("body")) grains.body = indices("body", count, -1, count);
+  fe::CarpetShape& carpet = packing.carpet;
+  const std::size_t nodes = root.read_doubles("carpet_x").size();
+  carpet.position = {numbers("carpet_x", nodes, any), numbers("carpet_y", nodes, any),
+                     numbers("carpet_z", nodes, any)};
+  carpet.element_state = numbers("carpet_elements", root.read_doubles("carpet_elements").size(), any);
+  carpet.strain = numbers("carpet_strain", 1, any).front();
+  carpet.hourglass = numbers("carpet_hourglass", 1, any).front();
+  packing.report = packing_report_of(numbers("report", numbers_of(PackingReport{}).size(), any));
+  return packing;
+}
+
+bool PackingCache::load(Packing& packing, const std::function<void(const Packing&)>& check) const {
+  std::error_code ignored;
+  if (path_.empty() || !std::filesystem::exists(path_, ignored)) return false;
   try {
-    const h5::File file = h5::File::open(path_);
-    const h5::Group root = file.root();
-    dem::Grains& grains = packing.grains;
-    grains.position = {root.read_doubles("x"), root.read_doubles("y"), root.read_doubles("z")};
-    grains.radius = root.read_doubles("radius");
-    grains.density = root.read_doubles("density");
-    grains.layer = root.read_ints("layer");
-    grains.material = root.read_ints("material");
-    if (root.has("body")) grains.body = root.read_ints("body");
-    fe::CarpetShape& carpet = packing.carpet;
-    carpet.position = {root.read_doubles("carpet_x"), root.read_doubles("carpet_y"),
-                       root.read_doubles("carpet_z")};
-    carpet.element_state = root.read_doubles("carpet_elements");
-    carpet.strain = root.read_double("carpet_strain");
-    carpet.hourglass = root.read_double("carpet_hourglass");
-    const std::vector<double> report = root.read_doubles("report");
-    if (report.size() != numbers_of(PackingReport{}).size()) return false;
-    packing.report = packing_report_of(report);
-    return is_whole(packing);
-  } catch (const RunError&) {
-    return false;  // a cache that cannot be read is a cache that is not there
+    Packing kept = read();
+    check(kept);
+    packing = std::move(kept);
+    return true;
+  } catch (const std::exception& error) {  // whatever a damaged file brings about: it is packed anew
+    const std::string file = path_.string(), why = error.what();
+    packing.report.cache_trouble = fmt::format(
+        "{}{}: the packing kept there is damaged or of another carpet, and grains were packed anew",
+        why.starts_with(file) ? "" : file + ": ", why);
+    return false;
   }
 }
 
@@ -144,6 +173,17 @@ void PackingCache::store(const Packing& packing) const {
   } catch (const std::exception&) {
     // The run does not need the cache: a full or read-only home must not stop it.
   }
+}
+
+Scene packing_scene(const Scene& scene) {
+  Scene still = scene;
+  still.numerics = Numerics{};
+  still.numerics.seed = scene.numerics.seed;
+  still.numerics.step_safety = scene.numerics.step_safety;
+  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
+  still.infill.dem.overlap_limit = 0;
+  still.conditioning = {};
+  return still;
 }
 
 Vec3Array positions(const Infill& infill) {

@@ -1,6 +1,8 @@
 #pragma once
 /// What packings of grains have in common, whatever holds the grains.
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -24,15 +26,26 @@ struct Packing {
 class PackingCache {
  public:
   PackingCache(const Scene& scene, const std::vector<EffectDecision>& effects, std::string_view surroundings);
-  [[nodiscard]] bool load(Packing& packing) const;  ///< false: not there, not readable or not whole
+  /// False: not there, or damaged, or refused by `check`, which throws RunError for a packing that does not
+  /// fit. Then `packing` is as it was, but for report.cache_trouble, which says what was wrong with the file.
+  [[nodiscard]] bool load(Packing& packing, const std::function<void(const Packing&)>& check) const;
   void store(const Packing& packing) const;
 
  private:
-  std::filesystem::path path_;  ///< empty: no cache
+  [[nodiscard]] Packing read() const;
+
+  std::filesystem::path path_;             ///< empty: no cache
+  std::vector<std::uint8_t> grain_kinds_;  ///< by material: it is one of grains
+  std::size_t layers_;
 };
 
 /// Of all that a mesh holds, bit for bit.
 [[nodiscard]] std::string fingerprint(const fe::ShellMesh& mesh);
+
+/// A scene as its packings are made: of numerics nothing counts but seed and step_safety, which the cache
+/// tells apart. A packing is a means to get grains at rest, damped and at several g: its energy balance is
+/// not a result. Non-finite values and lost grains still stop it.
+[[nodiscard]] Scene packing_scene(const Scene& scene);
 
 [[nodiscard]] Vec3Array positions(const Infill& infill);
 

@@ -37,17 +37,6 @@ int packing_ranks(const Scene& scene, const dem::Grains& grains) {
   }
 }
 
-Scene packing_scene(const Scene& scene) {
-  Scene still = scene;
-  still.numerics = Numerics{};
-  still.numerics.seed = scene.numerics.seed;
-  still.numerics.step_safety = scene.numerics.step_safety;
-  still.numerics.energy_error_limit = std::numeric_limits<double>::infinity();
-  still.infill.dem.overlap_limit = 0;
-  still.conditioning = {};
-  return still;
-}
-
 namespace {
 
 /// Overlap as placed is no result of anything: it is let go whatever the run does.
@@ -99,8 +88,12 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
                             const std::function<void(const std::string&, double)>& on_progress) {
   const PackingCache cache(scene, effects, fingerprint(mesh));
   SettledGrains settled;
-  settled.from_cache = cache.load(settled);
+  settled.from_cache = cache.load(settled, [&](const Packing& kept) {
+    // Of a carpet made otherwise, by another version of the program: its shape is refused here.
+    build_carpet(scene, effects, mesh)->take_shape(kept.carpet);
+  });
   if (settled.from_cache) return settled;
+  const std::string cache_trouble = std::move(settled.report.cache_trouble);
 
   const auto report = [&](double done) {
     if (on_progress) on_progress("packing", done);
@@ -142,6 +135,7 @@ SettledGrains settle_grains(const Scene& scene, const std::vector<EffectDecision
   settled.report.time += laid.time;
   settled.report.laid = laid.lies;
   settled.report.moved = static_cast<double>(settled.grains.moved);
+  settled.report.cache_trouble = cache_trouble;
   settled.grains.position = positions(built.simulation->infill());
   settled.carpet = built.simulation->carpet().shape();
   cache.store(settled);

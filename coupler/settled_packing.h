@@ -15,11 +15,6 @@ namespace tuft::coupler {
 /// The shells of a mesh as obstacles for packing.
 [[nodiscard]] std::vector<dem::ThinQuad> thin_quads(const fe::ShellMesh& mesh);
 
-/// A scene as its packings are made: of numerics nothing counts but seed and step_safety, which the cache
-/// tells apart. A packing is a means to get grains at rest, damped and at several g: its energy balance is
-/// not a result. Non-finite values and lost grains still stop it.
-[[nodiscard]] Scene packing_scene(const Scene& scene);
-
 /// MPI processes of the host while these grains come to rest: the scene's, or two for 20 000 grains and more
 /// where the scene asks for one, mpirun is there, and grains are spheres on this machine's own host.
 [[nodiscard]] int packing_ranks(const Scene& scene, const dem::Grains& grains);

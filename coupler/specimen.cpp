@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/error.h"
 #include "coupler/build_simulation.h"
 #include "coupler/packing_cache.h"
 #include "coupler/settled_packing.h"
@@ -62,7 +63,10 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
       fmt::format("{} {:.17g} x {:.17g} x {:.17g} m{}", room.round ? "ring" : "box", room.size[0],
                   room.size[1], room.height, strand != nullptr ? strand->description() : ""));
   Packing packing;
-  if (cache.load(packing)) {
+  const auto of_grains_alone = [](const Packing& kept) {
+    if (kept.carpet.position.size() > 0) throw_run_error("it has strands");
+  };
+  if (cache.load(packing, of_grains_alone)) {
     report = packing.report;
     return packing.grains;
   }
@@ -80,6 +84,7 @@ dem::Grains settled_grains(const Scene& scene, const std::vector<EffectDecision>
   simulation->freeze_carpet(true);
   report = come_to_rest(*simulation, scene.infill.dem, Bed::placed, [](double) {});
   report.moved = static_cast<double>(loose.grains.moved);
+  report.cache_trouble = packing.report.cache_trouble;
   loose.grains.position = positions(simulation->infill());
   cache.store({loose.grains, {}, report});
   return loose.grains;

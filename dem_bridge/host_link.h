@@ -16,8 +16,8 @@ namespace tuft::dem {
 
 class HostLink {
  public:
-  /// Starts a host, or reaches one, and waits for its hello. Throws RunError: missing, not starting, another
-  /// protocol.
+  /// Starts a host, or reaches one, and waits for its hello. Throws InputError: missing, not executable, no
+  /// address; RunError: not starting, another protocol.
   HostLink(const DemOptions& options, std::size_t grains);
   ~HostLink();
   HostLink(const HostLink&) = delete;

@@ -61,13 +61,13 @@ std::string describe(const siginfo_t& info) {
 void require_executable(const fs::path& path, std::string_view source) {
   std::error_code failure;
   if (!fs::is_regular_file(path, failure))
-    throw_run_error(
+    throw_input_error(
         "liggghts_host: {} ({}) does not exist; build the target liggghts_host, or set "
         "TUFT_LIGGGHTS_HOST or infill.dem.host to its path",
         path.string(), source);
   if (::access(path.c_str(), X_OK) != 0)
-    throw_run_error("liggghts_host: {} ({}) is not executable: {}; correct its mode or name another path",
-                    path.string(), source, std::strerror(errno));
+    throw_input_error("liggghts_host: {} ({}) is not executable: {}; correct its mode or name another path",
+                      path.string(), source, std::strerror(errno));
 }
 
 }  // namespace

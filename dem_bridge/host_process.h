@@ -8,7 +8,7 @@ namespace tuft::dem {
 
 /// Where the host is: `wanted` (the scene's infill.dem.host) if not empty, else the environment's
 /// TUFT_LIGGGHTS_HOST, else beside the running program, else ../dem_bridge/ from there (a build tree). Throws
-/// RunError naming the path that is missing or not executable, and what to do.
+/// InputError naming the path that is missing or not executable, and what to do.
 [[nodiscard]] std::filesystem::path find_host(const std::string& wanted);
 
 /// mpirun of Open MPI in PATH. Throws RunError.

@@ -50,8 +50,8 @@ class HostWire {
   [[nodiscard]] virtual int process_id() const = 0;  ///< of the local process to watch or kill; 0: none
 };
 
-/// A host on this machine: a process (or several ranks under mpirun) that shares the memory. Throws RunError
-/// when it is missing, does not start or does not connect before the deadline.
+/// A host on this machine: a process (or several ranks under mpirun) that shares the memory. Throws
+/// InputError when it is missing, RunError when it does not start or connect before the deadline.
 [[nodiscard]] std::unique_ptr<HostWire> start_local_host(const DemOptions& options, std::size_t grains,
                                                          HostWire::Clock::time_point deadline);
 

@@ -184,6 +184,7 @@ class ComponentRunner {
   }
 
   void conclude() {
+    keep_summary(request_, record_.has_value(), summary_.error);
     if (record_) attempt(summary_, [this] { record_->flush(); });
     measure();
     write_summary(request_.folder, summary_);

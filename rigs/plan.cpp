@@ -14,6 +14,7 @@
 #include "dem_bridge/grain_contact.h"
 #include "dem_bridge/grain_sizes.h"
 #include "dem_bridge/hertz.h"
+#include "dem_bridge/host_process.h"
 #include "fe_carpet/leg_shape.h"
 #include "rigs/component_run.h"
 #include "rigs/process_memory.h"
@@ -28,8 +29,7 @@ namespace {
 
 struct GrainEstimate {
   double count = 0;
-  double own_step = std::numeric_limits<double>::infinity();       ///< s, that contacts of grains bear
-  double rayleigh_step = std::numeric_limits<double>::infinity();  ///< s, 20 % of the Rayleigh time
+  double own_step = std::numeric_limits<double>::infinity();  ///< s, that contacts of grains bear
   double contact_step = 1;  ///< s, 2 / omega of the stiffest contact with shells and bodies
   double largest = 0;       ///< m, diameter
 };
@@ -52,9 +52,6 @@ GrainEstimate estimate_grains(const Scene& scene, bool clumps) {
     estimate.own_step = std::min(
         estimate.own_step,
         dem::stable_step_of_grain(r, density, m, kinds, scene.materials, scene.infill.dem, mass_ratio));
-    estimate.rayleigh_step =
-        std::min(estimate.rayleigh_step,
-                 dem::stable_grain_step(r, density, kind.grain->young_modulus, kind.grain->poisson_ratio));
     const double grain_mass = density * 4.0 / 3 * std::numbers::pi * r * r * r;
     estimate.contact_step =
         std::min(estimate.contact_step, 2 * std::sqrt(grain_mass / coupler::dem_contact_stiffness(kind, r)));
@@ -187,7 +184,7 @@ double clearance(const CarpetDesign& carpet) {
 }
 
 /// How many of the largest grains lie across what they must not be large beside.
-void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double rayleigh_step) {
+void remark_on_grains(RunPlan& plan, const Scene& scene, double largest) {
   const double ratio = clearance(scene.turf.carpet) / largest;
   // Of an imported carpet the design's spacings say nothing.
   if (effect_on(plan.effects, "fibres") && scene.turf.carpet.mesh.file.empty() && ratio < 5)
@@ -207,11 +204,6 @@ void remark_on_grains(RunPlan& plan, const Scene& scene, double largest, double 
         fmt::format("the infill is {:.2g} of the largest grains deep (under 6): reduce "
                     "infill.dem.coarse_graining",
                     high));
-  if (plan.infill_step > rayleigh_step * (1 + 1e-9))
-    plan.remarks.push_back(fmt::format(
-        "the grains' step of {:.3g} us is {:.3g} % of the smallest Rayleigh time (over 20 %): contacts may "
-        "gain energy; reduce numerics.step_safety or numerics.coupling_window",
-        1e6 * plan.infill_step, 20 * plan.infill_step / rayleigh_step));
   const std::vector<Index> kinds = kinds_of_grains(scene);
   const bool cohesion = effect_on(plan.effects, "grain_cohesion");
   if (cohesion) dem::check_cohesion(kinds, scene.materials, scene.infill.dem);
@@ -270,7 +262,7 @@ void plan_by_counting(RunPlan& plan, const Scene& scene) {
                     1e3 * static_cast<double>(schedule.settle) * schedule.interval,
                     1e3 * static_cast<double>(schedule.settle_expected) * schedule.interval));
   if (scene.conditioning.on()) remark_on_conditioning(plan, scene, schedule);
-  remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
+  remark_on_grains(plan, scene, grains.largest);
 }
 
 }  // namespace
@@ -282,9 +274,16 @@ std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& st
   remark_on_mass_scaling(plan, state.simulation().carpet().mass_scaling());
   if (scene.infill.approach == Approach::dem) {
     const GrainEstimate grains = estimate_grains(scene, effect_on(plan.effects, "clumps"));
-    remark_on_grains(plan, scene, grains.largest, grains.rayleigh_step);
+    remark_on_grains(plan, scene, grains.largest);
   }
   return plan.remarks;
+}
+
+void check_host(const Scene& scene) {
+  const DemOptions& dem = scene.infill.dem;
+  if (scene.rig.is_component() || scene.infill.approach != Approach::dem || dem.host.starts_with("tcp://"))
+    return;
+  static_cast<void>(dem::find_host(dem.host));
 }
 
 RunPlan plan(const Scene& scene) {

@@ -157,6 +157,8 @@ class Runner {
         state_.rig->release(simulation);
       }
       simulation.advance_interval(schedule.interval);
+      if (state_.index == first_index_)
+        remark(remarks_on_window(request_.scene, simulation, schedule.interval, "output.histories"));
       ++state_.index;
       if (state_.compaction) {
         state_.compaction->after_interval(state_.index, state_.built);
@@ -291,6 +293,7 @@ class Runner {
 
   /// Last words: what was measured so far, also of a run that failed.
   void conclude() {
+    keep_summary(request_, built_, summary_.error);
     if (recorder_)
       attempt(summary_, [this] {
         if (built_)
@@ -361,14 +364,7 @@ void Runner::measure() {
   notes["infill_step"] = {plan.window / plan.infill_substeps, "s"};
   if (!simulation.carpet().eroded().empty())
     notes["eroded_shells"] = {static_cast<double>(simulation.carpet().eroded_count()), "1"};
-  if (const Expelled expelled = infill.expelled(); expelled.particles > 0) {
-    notes["expelled_particles"] = {static_cast<double>(expelled.particles), "1"};
-    notes["expelled_mass"] = {expelled.mass, "kg"};
-    notes["expelled_momentum_x"] = {expelled.momentum.x(), "kg m/s"};
-    notes["expelled_momentum_y"] = {expelled.momentum.y(), "kg m/s"};
-    notes["expelled_momentum_z"] = {expelled.momentum.z(), "kg m/s"};
-    notes["expelled_kinetic_energy"] = {expelled.kinetic_energy, "J"};
-  }
+  add_expelled_notes(infill.expelled(), notes);
   notes["contact_searches"] = {static_cast<double>(simulation.searches()), "1"};
   notes["contact_pairs_particle_shell"] = {static_cast<double>(simulation.particle_shell().pair_count()),
                                            "1"};

@@ -60,7 +60,9 @@ struct RunRequest {
 };
 
 /// Runs to the end, to a stop or to a failure; always leaves summary.json, run.h5 and run.xdmf readable.
-/// Failures of the run end up in the summary (status "failed"), not as exceptions; InputError is thrown.
+/// Failures of the run end up in the summary (status "failed"), not as exceptions; InputError is thrown. A
+/// resumed run that fails before it goes on has measured nothing: if the folder has a summary, it stays as
+/// it is, and the RunError is thrown.
 [[nodiscard]] RunSummary run(const RunRequest& request);
 
 /// summary.json, written atomically / read back. Throws InputError for a folder without one.
@@ -82,5 +84,9 @@ struct RunPlan {
   std::vector<std::string> remarks;  ///< overlaps at the start, bounds that bite, warnings
 };
 [[nodiscard]] RunPlan plan(const Scene& scene);
+
+/// Throws InputError where a scene's grains have no host on this machine: before anything is written or
+/// packed. Of one that listens elsewhere nothing is known before it is asked.
+void check_host(const Scene& scene);
 
 }  // namespace tuft::rigs

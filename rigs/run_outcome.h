@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/infill.h"
 #include "core/timers.h"
 #include "rigs/run.h"
 
@@ -24,6 +25,13 @@ void attempt(RunSummary& summary, Stage&& stage) {
     summary.status = "failed";
   }
 }
+
+/// Throws the failure of a resumed run that did not go on (`went_on`) where its folder has a summary: that
+/// says more than this run's would.
+void keep_summary(const RunRequest& request, bool went_on, const std::string& error);
+
+/// What has left the turf, if anything has.
+void add_expelled_notes(const Expelled& expelled, std::map<std::string, Quantity>& notes);
 
 /// Phase -> s.
 [[nodiscard]] std::map<std::string, double> phase_seconds(const PhaseTimers& timers);

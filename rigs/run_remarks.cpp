@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "rigs/window_remarks.h"
+
 namespace tuft::rigs {
 namespace {
 
@@ -23,13 +25,22 @@ void add_remarks(const RunRequest& request, const std::vector<std::string>& rema
   }
 }
 
+std::vector<std::string> remarks_on_window(const Scene& scene, const coupler::Simulation& simulation,
+                                           double interval, const std::string& rows) {
+  if (scene.numerics.coupling_window == 0) return {};
+  const std::string remark =
+      remark_on_windows(simulation.stable_steps(interval), scene.numerics, interval, rows);
+  return remark.empty() ? std::vector<std::string>{} : std::vector{remark};
+}
+
 std::vector<std::string> remarks_on_packing(const Scene& scene, const coupler::PackingReport& packing) {
   std::vector<std::string> remarks;
+  if (!packing.cache_trouble.empty()) remarks.push_back(packing.cache_trouble);
   if (!packing.laid)
     remarks.push_back(
         fmt::format("grains had not come to lie when their laying ended after infill.dem.settle_time_limit = "
-                    "{:g} ms: the "
-                    "bed yet sank or rose; raise it",
+                    "{:g} ms: the bed "
+                    "yet sank or rose; raise it",
                     1e3 * scene.infill.dem.settle_time_limit));
   if (!packing.at_rest)
     remarks.push_back(

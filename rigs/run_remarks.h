@@ -14,7 +14,13 @@ void add_remarks(const RunRequest& request, const std::vector<std::string>& rema
 
 /// Of a run that is built: what `check` says too, as far as it is known now.
 [[nodiscard]] std::vector<std::string> remarks_on_setup(const Scene& scene, const RunState& state);
-/// Of grains that were not at rest when they were packed.
+/// Of windows that are not as the scene asks for (numerics.coupling_window), after a first interval (s):
+/// which contacts bound them is not known before. rows: see remark_on_windows.
+[[nodiscard]] std::vector<std::string> remarks_on_window(const Scene& scene,
+                                                         const coupler::Simulation& simulation,
+                                                         double interval, const std::string& rows);
+/// Of a packing that the cache held and that was of no use, and of grains that were not at rest when they
+/// were packed.
 [[nodiscard]] std::vector<std::string> remarks_on_packing(const Scene& scene,
                                                           const coupler::PackingReport& packing);
 /// The same, and of grains that were not at rest when the rig was released (nothing before that).

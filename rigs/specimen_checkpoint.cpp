@@ -14,6 +14,9 @@ void write_tally(h5::Group& root, const SpecimenTally& tally) {
   const std::vector<double> numbers{tally.time_before,   tally.energy_error, tally.momentum_error,
                                     tally.kinetic_share, tally.most_kinetic, tally.most_work};
   root.write("numbers", std::span<const double>(numbers));
+  const Expelled& gone = tally.expelled;
+  root.write("expelled", std::vector{static_cast<double>(gone.particles), gone.mass, gone.momentum.x(),
+                                     gone.momentum.y(), gone.momentum.z(), gone.kinetic_energy});
 }
 
 SpecimenTally read_tally(const h5::Group& root, std::size_t tests) {
@@ -29,6 +32,8 @@ SpecimenTally read_tally(const h5::Group& root, std::size_t tests) {
   tally.kinetic_share = numbers[3];
   tally.most_kinetic = numbers[4];
   tally.most_work = numbers[5];
+  const std::vector<double> gone = h5::read_checked(root, "expelled", 6);
+  tally.expelled = {static_cast<std::uint64_t>(gone[0]), gone[1], Vec3(gone[2], gone[3], gone[4]), gone[5]};
   return tally;
 }
 

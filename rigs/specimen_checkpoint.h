@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/infill.h"
 #include "rigs/checkpoint_books.h"
 
 namespace tuft::rigs {
@@ -16,6 +17,7 @@ struct SpecimenTally {
   std::uint64_t steps_before = 0, particle_steps_before = 0;
   double energy_error = 0, momentum_error = 0;  ///< largest of the tests before this one
   double kinetic_share = 0;                     ///< the same
+  Expelled expelled;                            ///< in the tests before this one
   double most_kinetic = 0, most_work = 0;  ///< J, largest energy of motion and work done, of the test at hand
 };
 

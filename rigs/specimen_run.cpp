@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
+#include "core/checkpoint_values.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/scene_reader.h"
@@ -67,7 +69,11 @@ class SpecimenRunner {
   RunSummary run() {
     attempt(summary_, [this] {
       prepare();
-      go();
+      try {
+        go();
+      } catch (const InputError& error) {  // seen only now: the run has failed, and keeps what it has
+        throw_run_error("{}", error.what());
+      }
     });
     conclude();
     return summary_;
@@ -98,13 +104,15 @@ class SpecimenRunner {
 
   void prepare() {
     if (request_.resume) {
-      const CheckpointBooks books =
-          read_books(file("checkpoint.h5"), request_.scene, specimen_format, [&](const h5::Group& root) {
-            tally_ = read_tally(root, rig_->tests());
-            start_test();
-            simulation_->load(root.open_group("simulation"));
-            rig_->load(root.open_group("rig"));
-          });
+      const auto read = [&](const auto& rest) {
+        return read_books(file("checkpoint.h5"), request_.scene, specimen_format, rest);
+      };
+      (void)read([&](const h5::Group& root) { tally_ = read_tally(root, rig_->tests()); });
+      start_test();  // where that fails, the checkpoint is not to blame
+      const CheckpointBooks books = read([&](const h5::Group& root) {
+        simulation_->load(root.open_group("simulation"));
+        rig_->load(root.open_group("rig"));
+      });
       before_ = books.spent;
       recorder_.emplace(coupler::Recorder::reopen(file("run.h5"), *simulation_, books.recorded, columns(),
                                                   coupler::micro_settings(request_.scene)));
@@ -146,6 +154,8 @@ class SpecimenRunner {
   void advance() {
     rig_->drive(*simulation_);
     simulation_->advance_interval(rig_->interval());
+    if (!std::exchange(stepped_, true))
+      remark(remarks_on_window(request_.scene, *simulation_, rig_->interval(), "the rig's rows"));
     ++tally_.row;
     simulation_->set_time(time_in_test());  // no drift: the grid's own value
     const coupler::EnergyTerms& energy = simulation_->ledger().last();
@@ -180,6 +190,7 @@ class SpecimenRunner {
     tally_.momentum_error = momentum_error();
     tally_.kinetic_share = kinetic_share();
     tally_.most_kinetic = tally_.most_work = 0;
+    tally_.expelled = expelled();
     for (const auto& [phase, seconds] : phase_seconds(simulation_->timers())) before_.cost[phase] += seconds;
   }
 
@@ -194,6 +205,18 @@ class SpecimenRunner {
   [[nodiscard]] double kinetic_share() const {
     return std::max(tally_.kinetic_share,
                     tally_.most_work > 0 ? tally_.most_kinetic / tally_.most_work : 0.0);
+  }
+
+  /// Of all tests so far.
+  [[nodiscard]] Expelled expelled() const {
+    Expelled sum = tally_.expelled;
+    if (!simulation_) return sum;
+    const Expelled here = simulation_->infill().expelled();
+    sum.particles += here.particles;
+    sum.mass += here.mass;
+    sum.momentum += here.momentum;
+    sum.kinetic_energy += here.kinetic_energy;
+    return sum;
   }
 
   void checkpoint() {
@@ -237,6 +260,7 @@ class SpecimenRunner {
   }
 
   void conclude() {
+    keep_summary(request_, recorder_.has_value(), summary_.error);
     if (recorder_) attempt(summary_, [this] { recorder_->flush(); });
     attempt(summary_, [this] { measure(); });
     write_summary(request_.folder, summary_);
@@ -266,6 +290,7 @@ class SpecimenRunner {
       remark(remarks_on_overlaps(request_.scene, *grains));
     }
     summary_.notes["kinetic_share"] = {kinetic_share(), "1"};
+    add_expelled_notes(expelled(), summary_.notes);
     const auto particle_steps =
         static_cast<double>(tally_.particle_steps_before + simulation_->infill().particle_steps());
     if (summary_.cost["infill"] > 0) summary_.particle_steps_per_s = particle_steps / summary_.cost["infill"];
@@ -280,6 +305,7 @@ class SpecimenRunner {
   PhaseTimers timers_;
   SpentSoFar before_;
   double first_done_ = 0;
+  bool stepped_ = false;
   Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> last_report_;
 };

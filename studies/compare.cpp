@@ -11,8 +11,10 @@ std::filesystem::path member_folder(const std::filesystem::path& folder, Approac
 
 std::vector<ComparedRun> compare(const CompareRequest& request) {
   rigs::check_run_folder(request.folder);
-  for (const Scene& scene : request.scenes)
+  for (const Scene& scene : request.scenes) {
     rigs::check_run_folder(member_folder(request.folder, scene.infill.approach));
+    rigs::check_host(scene);
+  }
 
   std::vector<ComparedRun> runs;
   for (const Scene& scene : request.scenes) {

@@ -34,24 +34,25 @@ namespace {
   _exit(127);
 }
 
-/// The host is the only child of tuft's main thread. Gives up when tuft ends first.
-void kill_host_of(pid_t tuft, const std::string& at) {
-  for (int i = 0; i < 6000; ++i) {
-    if (std::filesystem::exists(at)) {
-      const std::string id = std::to_string(tuft);
-      pid_t host = 0;
-      std::ifstream("/proc/" + id + "/task/" + id + "/children") >> host;
-      if (host > 0) {
-        kill(host, SIGKILL);
-        return;
-      }
+bool has_ended(pid_t process) {
+  siginfo_t ended{};
+  return waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == process;
+}
+
+/// The host is the only child of tuft's main thread. False when tuft ends first.
+bool strike(pid_t tuft, const Trouble& trouble) {
+  const std::string id = std::to_string(tuft);
+  while (!has_ended(tuft)) {
+    pid_t host = 0;
+    if (std::filesystem::exists(trouble.blow_at) &&
+        std::ifstream("/proc/" + id + "/task/" + id + "/children") >> host) {
+      trouble.blow({tuft, host});
+      return true;
     }
-    siginfo_t ended{};
-    if (waitid(P_PID, static_cast<id_t>(tuft), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-        ended.si_pid == tuft)
-      return;
-    usleep(10'000);
+    usleep(2'000);
   }
+  return false;
 }
 
 void expect_one_line(const Outcome& outcome, int exit_code, const std::vector<std::string>& parts) {
@@ -71,20 +72,42 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-Outcome run_tuft(const std::vector<std::string>& arguments, const Trouble& trouble) {
-  const Workplace place;
-  const std::string out = place.path("out"), error = place.path("error");
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("cannot fork");
-  if (child == 0) become_tuft(arguments, out, error, trouble.largest_file);
-  if (trouble.interrupt_after > 0) {
-    usleep(static_cast<useconds_t>(1e6 * trouble.interrupt_after));
-    kill(child, SIGINT);
+Trouble kill_host_at(const std::string& file) {
+  return {.blow_at = file, .blow = [](const Processes& run) { kill(run.host, SIGKILL); }};
+}
+
+RunningTuft::RunningTuft(const std::vector<std::string>& arguments, const Trouble& trouble)
+    : trouble_(trouble), start_(std::chrono::steady_clock::now()), process_(fork()) {
+  if (process_ < 0) throw std::runtime_error("cannot fork");
+  if (process_ == 0) become_tuft(arguments, place_.path("out"), place_.path("error"), trouble.largest_file);
+}
+
+RunningTuft::~RunningTuft() {
+  if (process_ == 0) return;
+  kill(process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
+}
+
+Outcome RunningTuft::wait() {
+  if (trouble_.interrupt_after > 0) {
+    usleep(static_cast<useconds_t>(1e6 * trouble_.interrupt_after));
+    kill(process_, SIGINT);
   }
-  if (!trouble.kill_host_at.empty()) kill_host_of(child, trouble.kill_host_at);
+  Outcome outcome;
+  if (!trouble_.blow_at.empty()) outcome.struck = strike(process_, trouble_);
+  if (outcome.struck) start_ = std::chrono::steady_clock::now();
   int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(error)};
+  waitpid(process_, &status, 0);
+  process_ = 0;
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.out = read_text(place_.path("out"));
+  outcome.error = read_text(place_.path("error"));
+  return outcome;
+}
+
+Outcome run_tuft(const std::vector<std::string>& arguments, const Trouble& trouble) {
+  return RunningTuft(arguments, trouble).wait();
 }
 
 void expect_bad_input(const Outcome& outcome, const std::vector<std::string>& parts) {
@@ -118,6 +141,24 @@ std::vector<std::string> tiny_scene() {
         "output.checkpoint_every=0.4 ms", "output.frames=0.2 ms"})
     words.insert(words.end(), {"--set", setting});
   return words;
+}
+
+std::vector<std::string> tiny_run(const std::string& folder, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"run"};
+  const auto scene = tiny_scene();
+  words.insert(words.end(), scene.begin(), scene.end());
+  words.insert(words.end(), {"--out", folder});
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::vector<std::string> grain_run(const std::string& folder, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"--infill", "dem",
+                                 "--set",    "infill.dem.material_coarse_graining={ sbr = 7.0, sand = 9.0 }",
+                                 "--set",    "infill.dem.use_cache=false",
+                                 "--set",    "infill.dem.settle_time=1 ms"};
+  words.insert(words.end(), more.begin(), more.end());
+  return tiny_run(folder, words);
 }
 
 }  // namespace tuft::test

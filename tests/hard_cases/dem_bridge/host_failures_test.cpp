@@ -90,7 +90,7 @@ TEST_F(HostFailure, MissingNamesThePathAndWhatToDo) {
   DemSettings settings = settings_in_box(0.05);
   settings.options.host = (folder() / "nowhere" / "liggghts_host").string();
   const std::string message =
-      message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
+      message_of<InputError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
   EXPECT_TRUE(is_one_line(message)) << message;
   EXPECT_NE(message.find(settings.options.host), std::string::npos) << message;
   EXPECT_NE(message.find("TUFT_LIGGGHTS_HOST"), std::string::npos) << message;
@@ -103,7 +103,7 @@ TEST_F(HostFailure, NotExecutableSaysSo) {
   DemSettings settings = settings_in_box(0.05);
   settings.options.host = program.string();
   const std::string message =
-      message_of<RunError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
+      message_of<InputError>([&] { DemInfill infill(block_.grains, block_.materials, settings); });
   EXPECT_NE(message.find("not executable"), std::string::npos) << message;
   fs::remove(program);
 }
