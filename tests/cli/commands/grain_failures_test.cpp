@@ -39,7 +39,7 @@ class GrainFailure : public dem::test::Traces {
 
   [[nodiscard]] std::vector<std::string> words(const std::string& folder,
                                                const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> all{"--set", "scene.duration=6 ms"};
+    std::vector<std::string> all{"--set", "scene.duration=6 ms", "--set", "output.checkpoint_every=1 ms"};
     all.insert(all.end(), more.begin(), more.end());
     return grain_run(folder, all);
   }
@@ -86,7 +86,7 @@ class GrainFailure : public dem::test::Traces {
     for (int i = 0; i < 10'000; ++i) {
       for (const auto& scratch : fs::directory_iterator(folder())) {
         std::error_code there_is_one_just_now;
-        if (scratch.path().filename().string().starts_with("tuft-") &&
+        if (fs::exists(scratch.path() / "control") &&  // the driver's socket
             fs::create_directory(scratch.path() / "restart", there_is_one_just_now))
           return;
       }

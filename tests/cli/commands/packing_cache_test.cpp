@@ -44,9 +44,9 @@ class SharedPackings : public ::testing::Test {
     return summary(name)["notes"]["packing_from_cache"]["value"] == 1;
   }
   [[nodiscard]] std::vector<std::string> remarks(const std::string& name) const {
-    const nlohmann::json all = summary(name);
     std::vector<std::string> found;
-    for (const auto& remark : all["remarks"])
+    const nlohmann::json told = summary(name);
+    for (const auto& remark : told["remarks"])
       if (const auto text = remark.get<std::string>(); text.find("packed anew") != std::string::npos)
         found.push_back(text);
     return found;
