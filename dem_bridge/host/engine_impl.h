@@ -27,17 +27,9 @@
 #include "dem_bridge/hooke_hysteresis.h"
 #include "dem_bridge/host/clumps.h"
 #include "dem_bridge/host/liggghts_engine.h"
+#include "dem_bridge/host/rows.h"
 
 namespace tuft::dem {
-
-inline Vec3 load3(const double* p) {
-  return {p[0], p[1], p[2]};
-}
-inline void store3(double* p, const Vec3& v) {
-  p[0] = v.x();
-  p[1] = v.y();
-  p[2] = v.z();
-}
 
 struct KickSums;
 struct SphereStep;

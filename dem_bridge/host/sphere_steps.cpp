@@ -3,16 +3,10 @@
 #include <array>
 
 #include "dem_bridge/host/kick.h"
+#include "dem_bridge/host/rows.h"
 
 namespace tuft::dem {
 namespace {
-
-Vec3 row(const double* rows, std::size_t a) {
-  return {rows[3 * a], rows[3 * a + 1], rows[3 * a + 2]};
-}
-void set_row(double* rows, std::size_t a, const Vec3& value) {
-  for (std::size_t c = 0; c < 3; ++c) rows[3 * a + c] = value[static_cast<Eigen::Index>(c)];
-}
 
 /// Spheres that are moved at once.
 constexpr std::size_t block_size = 32;
@@ -157,9 +151,12 @@ void step_block(const SphereStep& step, std::size_t first, bool with_kinetic,
 
 void step_sphere(const SphereStep& step, std::size_t a, std::span<const LoadRecord> loads, KickSums& sums) {
   const double mass = step.mass[a], radius = step.radius[a];
-  const GrainState grain{
-      row(step.velocity, a),       row(step.spin, a), row(step.force, a), row(step.torque, a), mass,
-      0.4 * mass * radius * radius};
+  const GrainState grain{load3(step.velocity + 3 * a),
+                         load3(step.spin + 3 * a),
+                         load3(step.force + 3 * a),
+                         load3(step.torque + 3 * a),
+                         mass,
+                         0.4 * mass * radius * radius};
   GrainLoad load{Vec3(0, 0, 0), Vec3(0, 0, 0), step.gravity, step.damping, step.step};
   if (!loads.empty()) {
     load.contact_force = step.per_second * Vec3(loads.front().impulse.data());
@@ -167,8 +164,8 @@ void step_sphere(const SphereStep& step, std::size_t a, std::span<const LoadReco
     sums.receive(step.step * load.contact_force);
   }
   const GrainKick done = kick_grain(grain, load);
-  set_row(step.velocity, a, done.velocity);
-  set_row(step.spin, a, done.spin);
+  store3(step.velocity + 3 * a, done.velocity);
+  store3(step.spin + 3 * a, done.spin);
   drift(step, a, a + 1);
   sums.kinetic += done.kinetic;
   sums.pair_work += done.pair_work;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <sstream>
 
@@ -48,6 +49,21 @@ class Ranks : public Traces {
     for (std::size_t i = 0; i < one.size(); ++i)
       largest = std::max(largest, (one.velocity(i) - two.velocity(i)).norm());
     return largest;
+  }
+  /// What is said when `blow` has fallen on a run of two ranks, of which nothing is left. `blow` gets what
+  /// started them and then all below it.
+  std::string end_of_two(const std::function<void(const std::vector<int>&)>& blow) {
+    const auto infill = shaken(2);
+    advance(*infill, 1);
+    std::vector<int> all = descendants(infill->host_process());
+    EXPECT_GE(all.size(), 2u);
+    all.insert(all.begin(), infill->host_process());
+    blow(all);
+    // Ranks may know of it a moment later only, and answer till then.
+    const std::string message = message_of<RunError>([&] { advance(*infill, 1'000'000); });
+    EXPECT_TRUE(is_one_line(message)) << message;
+    for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
+    return message;
   }
   void save(DemInfill& infill) const {
     auto file = h5::File::create_atomically(file_);
@@ -136,45 +152,22 @@ TEST_F(Ranks, AGrainThatLeavesOnTheOtherRankIsBookedAsOnOne) {
 }
 
 TEST_F(Ranks, KillingOneIsAClearErrorAndEndsAll) {
-  const auto infill = shaken(2);
-  advance(*infill, 1);
-  const std::vector<int> all = descendants(infill->host_process());
-  ASSERT_GE(all.size(), 2u);
-  ::kill(all.back(), SIGKILL);
-  const std::string message = message_of<RunError>([&] { advance(*infill, 1); });
-  EXPECT_TRUE(is_one_line(message)) << message;
+  const std::string message = end_of_two([](const std::vector<int>& all) { ::kill(all.back(), SIGKILL); });
   EXPECT_NE(message.find("liggghts_host ended with exit code"), std::string::npos) << message;
   EXPECT_NE(message.find("exited on signal 9 (Killed)"), std::string::npos) << message;
-  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
 }
 
 TEST_F(Ranks, StoppingOneIsAClearErrorAfterTheTimeoutAndEndsAll) {
   settings_.options.answer_timeout = 6;
-  const auto infill = shaken(2);
-  advance(*infill, 1);
-  std::vector<int> all = descendants(infill->host_process());
-  ASSERT_GE(all.size(), 2u);
-  ::kill(all.back(), SIGSTOP);
-  all.push_back(infill->host_process());
   const auto begin = std::chrono::steady_clock::now();
-  const std::string message = message_of<RunError>([&] { advance(*infill, 1); });
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 12);
-  EXPECT_TRUE(is_one_line(message)) << message;
+  const std::string message = end_of_two([](const std::vector<int>& all) { ::kill(all.back(), SIGSTOP); });
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 15);
   EXPECT_NE(message.find("liggghts_host did not answer for 6 s"), std::string::npos) << message;
-  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
 }
 
 TEST_F(Ranks, KillingWhatStartedThemIsAClearErrorAndEndsAll) {
-  const auto infill = shaken(2);
-  advance(*infill, 1);
-  const std::vector<int> all = descendants(infill->host_process());
-  ASSERT_GE(all.size(), 2u);
-  ::kill(infill->host_process(), SIGKILL);
-  // Ranks know of it a moment later, and may answer till then.
-  const std::string message = message_of<RunError>([&] { advance(*infill, 1'000'000); });
-  EXPECT_TRUE(is_one_line(message)) << message;
+  const std::string message = end_of_two([](const std::vector<int>& all) { ::kill(all.front(), SIGKILL); });
   EXPECT_NE(message.find("liggghts_host ended with signal 9"), std::string::npos) << message;
-  for (const int process : all) EXPECT_TRUE(gone_within(process, 3.0)) << process;
 }
 
 /// The first rank alone opens restart files. A folder of that name is in its way; the other one waits for it.

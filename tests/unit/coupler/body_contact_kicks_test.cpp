@@ -14,16 +14,19 @@ constexpr double radius = 1e-3, overlap = 1e-4, window = 1e-6, stiffness = 2e4, 
 /// A ball that lies on a body which can move.
 class OnAPlate {
  public:
-  explicit OnAPlate(double of_plate = 2, double speed = 0) : contact_(settings()) {
+  enum class Search { at_once, not_yet };
+  explicit OnAPlate(Search when) : OnAPlate(2, 0, when) {}
+  explicit OnAPlate(double of_plate = 2, double speed = 0, Search when = Search::at_once)
+      : contact_(settings()) {
     RigidBody plate;
     plate.shape = HalfSpace{Vec3::UnitZ()};
     plate.position = Vec3(0, 0, overlap - radius);
     plate.mass = of_plate;
     plate.velocity = Vec3(0, 0, speed);
     bodies_ = {plate};
-    search();
+    if (when == Search::at_once) search();
   }
-  void search() { contact_.search(view(), bodies_, radius, false); }
+  void search(bool keep_overlap = false) { contact_.search(view(), bodies_, radius, keep_overlap); }
   /// Of a window in which the ball has a kick of `length` (s); 0: none.
   BodyImpulses evaluate(double length) {
     kick_ = length;
@@ -93,6 +96,27 @@ TEST(KicksAtABody, AreMeasuredOnAfterASearchAndFromACheckpoint) {
   resumed.contact().load(h5::File::open(file).root(), 1);
   std::filesystem::remove(file);
   EXPECT_EQ(resumed.evaluate(0).measured[0], held);
+}
+
+/// A checkpoint that is older than the first search leaves it to that to see what overlaps as placed.
+TEST(BodyContactFromACheckpoint, SeesWhatOverlapsAsPlacedInItsFirstSearchAndInNoOther) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("tuft-test-" + std::to_string(::getpid()) + "-search.h5");
+  for (const bool searched : {false, true}) {
+    OnAPlate placed(OnAPlate::Search::not_yet), resumed(OnAPlate::Search::not_yet);
+    if (searched) placed.search(true);
+    {
+      h5::File stored = h5::File::create_atomically(file);
+      h5::Group group = stored.root();
+      placed.contact().save(group);
+      stored.commit();
+    }
+    resumed.contact().load(h5::File::open(file).root(), 1);
+    EXPECT_EQ(resumed.contact().initial_overlap().pairs, searched ? 1u : 0u);
+    resumed.search(true);
+    EXPECT_EQ(resumed.contact().initial_overlap().pairs, 1u) << searched;
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(KicksAtABody, AreAsLongAsContactBearsWhereTheBodyIsHeavy) {
