@@ -28,11 +28,11 @@
 #include "dem_bridge/host/clumps.h"
 #include "dem_bridge/host/liggghts_engine.h"
 #include "dem_bridge/host/rows.h"
+#include "dem_bridge/host/sphere_steps.h"
 
 namespace tuft::dem {
 
 struct KickSums;
-struct SphereStep;
 class LoadCursor;
 
 /// All grains here are those of this rank: `nlocal` of them, ghosts of other ranks' behind.
@@ -48,6 +48,7 @@ struct LiggghtsEngine::Impl {
   std::string trouble;                 // found in a callback, thrown when LIGGGHTS has returned
   std::map<std::size_t, Vec3> parked;  // grains that have left, and where: they are elsewhere in LIGGGHTS
   std::unique_ptr<Clumps> clumps;      // from set_up on
+  std::optional<StateOut> written;     // the state of all grains, by the window's last step
   std::vector<int> place;              // of a grain in LIGGGHTS' arrays, by its index; -1: another rank's
 
   Impl(SharedMemory& shared_memory, int rank);
@@ -74,14 +75,13 @@ struct LiggghtsEngine::Impl {
 
   // The state that driver and host exchange (exchange.cpp).
   [[nodiscard]] bool in_our_order() const;
-  [[nodiscard]] bool copy_in_order(bool& all_inside);
   [[nodiscard]] bool copy_by_number(bool& all_inside);
   void publish_state();
   void take_velocities();
   void publish_own_forces();
   void restore_own_forces();
   void step_grains(bool in_run);
-  void step_in_order(const SphereStep& step, LoadCursor& cursor, KickSums& sums);
+  void step_in_order(const SphereStep& step, bool last, LoadCursor& cursor, KickSums& sums);
   void step_by_number(const SphereStep& step, LoadCursor& cursor, KickSums& sums);
   void expel(int atom);
   void find_parked();

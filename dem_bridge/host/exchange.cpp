@@ -8,29 +8,6 @@
 
 namespace tuft::dem {
 
-namespace {
-
-/// Rows of three to three arrays. `poison` becomes not a number when a value is not finite.
-void split_rows(const double* rows, std::size_t count, double* x, double* y, double* z, double& poison) {
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < count; ++i) {
-    const double a = rows[3 * i], b = rows[3 * i + 1], c = rows[3 * i + 2];
-    x[i] = a;
-    y[i] = b;
-    z[i] = c;
-    sum += (a - a) + (b - b) + (c - c);
-  }
-  poison += sum;
-}
-
-/// By more than its radius in a step.
-bool moves_past_itself(double vx, double vy, double vz, double radius, double step) {
-  return (vx * vx + vy * vy + vz * vz) * step * step > radius * radius;
-}
-
-}  // namespace
-
 /// LIGGGHTS is told not to sort its grains, and packings number them so that neighbours in space have nearly
 /// the same numbers: so on one rank its arrays are in our order, and all copies run straight through memory.
 bool LiggghtsEngine::Impl::in_our_order() const {
@@ -44,40 +21,8 @@ bool LiggghtsEngine::Impl::in_our_order() const {
   return strangers == 0;
 }
 
-/// True when all values are finite; `all_inside` as found. Grains are checked while the cache holds them.
-bool LiggghtsEngine::Impl::copy_in_order(bool& all_inside) {
-  auto* const atom = lammps->atom;
-  const std::size_t count = memory.grains();
-  if (count == 0) return true;
-  constexpr std::size_t together = 256;
-  const Components x = components(SharedArrays::position_x), v = components(SharedArrays::velocity_x),
-                   w = components(SharedArrays::spin_x);
-  double poison = 0;
-  const Vec3 low = load3(shared.box_low.data()), high = load3(shared.box_high.data());
-  const double* const radius = atom->radius;
-  const double step = shared.step;
-  int outside = 0, fast = 0;
-  for (std::size_t first = 0; first < count; first += together) {
-    const std::size_t end = std::min(count, first + together);
-    // Rows follow each other: no need to look up where a row begins.
-    const auto split = [&](const double* rows, const Components& to) {
-      split_rows(rows + 3 * first, end - first, to.x + first, to.y + first, to.z + first, poison);
-    };
-    split(atom->x[0], x);
-    split(atom->v[0], v);
-    split(atom->omega[0], w);
-#pragma omp simd reduction(+ : outside, fast)
-    for (std::size_t i = first; i < end; ++i) {
-      outside += !((x.x[i] >= low.x()) & (x.x[i] < high.x()) & (x.y[i] >= low.y()) & (x.y[i] < high.y()) &
-                   (x.z[i] >= low.z()) & (x.z[i] < high.z()));
-      fast += moves_past_itself(v.x[i], v.y[i], v.z[i], radius[i], step);
-    }
-  }
-  all_inside = outside == 0;
-  report.fast = static_cast<std::uint64_t>(fast);
-  return poison == 0;
-}
-
+/// True when all values are finite; `all_inside` as found.
+///
 /// The memory is gone through in its own order and LIGGGHTS' arrays, where a grain's three components lie
 /// together, out of order: nine arrays written out of order took twice as long.
 bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
@@ -121,21 +66,31 @@ bool LiggghtsEngine::Impl::copy_by_number(bool& all_inside) {
 /// Positions, velocities and spins, and the grains that have left.
 void LiggghtsEngine::Impl::publish_state() {
   const auto* const atom = lammps->atom;
-  const bool in_order = in_our_order();
-  // Where grains are in order, their places are needed only of those that have left.
   const auto find_places = [&] {
     place.assign(memory.grains(), -1);
     for (int a = 0; a < atom->nlocal; ++a) place[index(a)] = a;
   };
-  if (!in_order) find_places();
-  bool all_inside = true;
-  const bool finite = in_order ? copy_in_order(all_inside) : copy_by_number(all_inside);
-  for (const auto& [i, left] : parked) components(SharedArrays::position_x).set(i, left);
+  // Places are needed only of grains that have left where all are written and still in order.
+  const bool is_written = written && in_our_order();
+  bool finite = true, all_inside = true;
+  if (is_written) {
+    finite = written->poison == 0;
+    all_inside = written->outside == 0;
+    report.fast = written->fast;
+  } else {
+    find_places();
+    finite = copy_by_number(all_inside);
+  }
+  for (const auto& [i, left] : parked) {
+    components(SharedArrays::position_x).set(i, left);
+    for (const std::size_t motion : {SharedArrays::velocity_x, SharedArrays::spin_x})
+      components(motion).set(i, Vec3(0, 0, 0));
+  }
   report.expelled = 0;
   report.expelled_mass = report.expelled_energy = 0;
   report.expelled_momentum = {};
   if (finite && all_inside) return;
-  if (in_order) find_places();
+  if (is_written) find_places();
   if (!finite) {
     const std::array<const char*, 3> names{"position", "velocity", "spin"};
     for (std::size_t f = 0; f < 3 && trouble.empty(); ++f)

@@ -60,10 +60,12 @@ void LiggghtsEngine::Impl::hold_expelled() {
 void LiggghtsEngine::Impl::step_grains(bool in_run) {
   auto* const atom = lammps->atom;
   const auto count = static_cast<std::size_t>(atom->nlocal);
+  const bool last = (in_run ? substep : 0) == shared.substeps - 1;
   if (shared.expelled > 0) hold_expelled();
   KickSums sums;
-  if (shared.energy_wanted == EnergyWanted::all && (in_run ? substep : 0) == shared.substeps - 1)
-    note_stored_energy();  // where the forces are from: spheres move on in this
+  written.reset();
+  // Where the forces are from: spheres move on in this.
+  if (last && shared.energy_wanted == EnergyWanted::all) note_stored_energy();
   if (count > 0) {
     const SphereStep step{atom->x[0], atom->v[0], atom->omega[0], atom->f[0], atom->torque[0], atom->rmass,
                           atom->radius, shared.step,
@@ -73,7 +75,7 @@ void LiggghtsEngine::Impl::step_grains(bool in_run) {
     LoadCursor cursor(memory.loads());
     if (!clumps->empty()) kick_clumps(in_run, sums);
     if (clumps->empty() && in_our_order())
-      step_in_order(step, cursor, sums);
+      step_in_order(step, last, cursor, sums);
     else
       step_by_number(step, cursor, sums);
   }
@@ -87,12 +89,29 @@ void LiggghtsEngine::Impl::step_grains(bool in_run) {
   report.damping_work += report.last_damping_work = sums.damping_work;
 }
 
-/// All that are not parked, as many at once as there are lanes.
-void LiggghtsEngine::Impl::step_in_order(const SphereStep& step, LoadCursor& cursor, KickSums& sums) {
+/// All that are not parked, as many at once as there are lanes. What LIGGGHTS then evaluates forces for is
+/// what the driver is to see, after the last step of a window: it is written while it is at hand.
+void LiggghtsEngine::Impl::step_in_order(const SphereStep& step, bool last, LoadCursor& cursor,
+                                         KickSums& sums) {
   const bool with_kinetic = shared.energy_wanted != EnergyWanted::none;
+  if (last) {
+    const Components x = components(SharedArrays::position_x), v = components(SharedArrays::velocity_x),
+                     w = components(SharedArrays::spin_x);
+    written = StateOut{x.x,
+                       x.y,
+                       x.z,
+                       v.x,
+                       v.y,
+                       v.z,
+                       w.x,
+                       w.y,
+                       w.z,
+                       load3(shared.box_low.data()),
+                       load3(shared.box_high.data())};
+  }
   std::size_t first = 0;
   const auto up_to = [&](std::size_t end) {
-    step_spheres(step, first, end, with_kinetic, cursor, sums);
+    step_spheres(step, first, end, with_kinetic, cursor, sums, written ? &*written : nullptr);
     first = end + 1;
   };
   for (const auto& [i, left] : parked) up_to(i);

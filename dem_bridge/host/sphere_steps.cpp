@@ -1,5 +1,6 @@
 #include "dem_bridge/host/sphere_steps.h"
 
+#include <algorithm>
 #include <array>
 
 #include "dem_bridge/host/kick.h"
@@ -121,15 +122,44 @@ void kick_block(const SphereStep& step, Block& block, BlockSums& sums) {
   }
 }
 
-void drift(const SphereStep& step, std::size_t first, std::size_t end) {
-  const double* const v = step.velocity;
-  double* const x = step.position;
-#pragma omp simd
-  for (std::size_t k = 3 * first; k < 3 * end; ++k) x[k] += step.step * v[k];
+void write_state(const SphereStep& step, std::size_t first, const BlockRows& position, const Block& block,
+                 StateOut& out) {
+  const BlockRows &v = block.velocity, &w = block.spin;
+  const std::array<const std::array<double, block_size>*, 9> from{
+      &position.x, &position.y, &position.z, &v.x, &v.y, &v.z, &w.x, &w.y, &w.z};
+  const std::array<double*, 9> to{out.x, out.y, out.z, out.vx, out.vy, out.vz, out.wx, out.wy, out.wz};
+  for (std::size_t c = 0; c < from.size(); ++c) std::copy_n(from[c]->data(), block_size, to[c] + first);
+  const double* const radius = step.radius + first;
+  const double low_x = out.low.x(), low_y = out.low.y(), low_z = out.low.z(), high_x = out.high.x(),
+               high_y = out.high.y(), high_z = out.high.z();
+  double poison = 0;
+  int outside = 0, fast = 0;
+#pragma omp simd reduction(+ : poison, outside, fast)
+  for (std::size_t k = 0; k < block_size; ++k) {
+    const double x = position.x[k], y = position.y[k], z = position.z[k];
+    outside += !((x >= low_x) & (x < high_x) & (y >= low_y) & (y < high_y) & (z >= low_z) & (z < high_z));
+    fast += moves_past_itself(v.x[k], v.y[k], v.z[k], radius[k], step.step);
+    // Sums may overflow where no part of them has.
+    poison += (x - x) + (y - y) + (z - z) + (v.x[k] - v.x[k]) + (v.y[k] - v.y[k]) + (v.z[k] - v.z[k]) +
+              (w.x[k] - w.x[k]) + (w.y[k] - w.y[k]) + (w.z[k] - w.z[k]);
+  }
+  out.outside += static_cast<std::size_t>(outside);
+  out.fast += static_cast<std::size_t>(fast);
+  out.poison += poison;
+}
+
+void write_state(const SphereStep& step, std::size_t a, StateOut& out) {
+  const Vec3 x = load3(step.position + 3 * a), v = load3(step.velocity + 3 * a), w = load3(step.spin + 3 * a);
+  out.x[a] = x.x(), out.y[a] = x.y(), out.z[a] = x.z();
+  out.vx[a] = v.x(), out.vy[a] = v.y(), out.vz[a] = v.z();
+  out.wx[a] = w.x(), out.wy[a] = w.y(), out.wz[a] = w.z();
+  if ((x.array() < out.low.array()).any() || (x.array() >= out.high.array()).any()) ++out.outside;
+  if (moves_past_itself(v.x(), v.y(), v.z(), step.radius[a], step.step)) ++out.fast;
+  out.poison += ((x - x) + (v - v) + (w - w)).sum();
 }
 
 void step_block(const SphereStep& step, std::size_t first, bool with_kinetic,
-                std::span<const LoadRecord> loads, BlockSums& sums) {
+                std::span<const LoadRecord> loads, BlockSums& sums, StateOut* out) {
   Block block;
   block.first = first;
   block.velocity.read(step.velocity + 3 * first);
@@ -144,7 +174,12 @@ void step_block(const SphereStep& step, std::size_t first, bool with_kinetic,
   }
   block.velocity.write(step.velocity + 3 * first);
   block.spin.write(step.spin + 3 * first);
-  drift(step, first, first + block_size);
+  BlockRows position;
+  position.read(step.position + 3 * first);
+  for (std::size_t k = 0; k < block_size; k += lanes)
+    position.set(k, position.pack(k) + Pack(step.step) * block.velocity.pack(k));
+  position.write(step.position + 3 * first);
+  if (out != nullptr) write_state(step, first, position, block, *out);
 }
 
 }  // namespace
@@ -166,7 +201,7 @@ void step_sphere(const SphereStep& step, std::size_t a, std::span<const LoadReco
   const GrainKick done = kick_grain(grain, load);
   store3(step.velocity + 3 * a, done.velocity);
   store3(step.spin + 3 * a, done.spin);
-  drift(step, a, a + 1);
+  store3(step.position + 3 * a, load3(step.position + 3 * a) + step.step * done.velocity);
   sums.kinetic += done.kinetic;
   sums.pair_work += done.pair_work;
   sums.contact_work += done.contact_work;
@@ -174,12 +209,15 @@ void step_sphere(const SphereStep& step, std::size_t a, std::span<const LoadReco
 }
 
 void step_spheres(const SphereStep& step, std::size_t first, std::size_t end, bool with_kinetic,
-                  LoadCursor& cursor, KickSums& sums) {
+                  LoadCursor& cursor, KickSums& sums, StateOut* out) {
   BlockSums of_blocks;
   for (; first + block_size <= end; first += block_size)
-    step_block(step, first, with_kinetic, cursor.of(first, first + block_size), of_blocks);
+    step_block(step, first, with_kinetic, cursor.of(first, first + block_size), of_blocks, out);
   of_blocks.add_to(sums, step.step);
-  for (; first < end; ++first) step_sphere(step, first, cursor.of(first, first + 1), sums);
+  for (; first < end; ++first) {
+    step_sphere(step, first, cursor.of(first, first + 1), sums);
+    if (out != nullptr) write_state(step, first, *out);
+  }
 }
 
 }  // namespace tuft::dem
