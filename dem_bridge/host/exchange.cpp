@@ -9,7 +9,7 @@
 namespace tuft::dem {
 
 /// LIGGGHTS is told not to sort its grains, and packings number them so that neighbours in space have nearly
-/// the same numbers: so on one rank its arrays are in our order, and all copies run straight through memory.
+/// the same numbers: so on one rank its arrays are in our order, and steps run straight through memory.
 bool LiggghtsEngine::Impl::in_our_order() const {
   const auto* const atom = lammps->atom;
   const auto count = static_cast<std::size_t>(atom->nlocal);
